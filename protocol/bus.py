@@ -1,0 +1,215 @@
+"""Redis as the bus: publish to channels, read the newest, subscribe; asynchronous and blocking versions.
+
+A LATEST message that Redis does not take is dropped and counted (the next one supersedes it); an EVERY message raises
+BusUnavailableError. Subscriptions survive a restart of Redis: they reconnect with backoff and begin again with what is
+current (snapshot first, then the stream), so a subscriber need not know that anything happened.
+"""
+
+import logging
+from collections.abc import AsyncIterator, Iterable
+from dataclasses import dataclass
+from typing import Any, Generic, Self, TypeVar, cast
+
+import redis
+import redis.asyncio
+from msgspec import Struct
+from pydantic import BaseModel
+from redis.asyncio.retry import Retry as AsyncRetry
+from redis.backoff import NoBackoff
+from redis.retry import Retry
+
+from protocol import keys
+from protocol.channels import Channel, Delivery
+from protocol.clock import Clock, SystemClock
+from protocol.codec import decode, encode
+from protocol.errors import BusUnavailableError, DecodeError
+
+M = TypeVar("M", bound=BaseModel | Struct)
+_logger = logging.getLogger(__name__)
+
+UNAVAILABLE = (redis.ConnectionError, redis.TimeoutError, ConnectionError)
+"""What redis-py raises when the server is out of reach (BusyLoadingError, while it reads its file, is a ConnectionError)."""
+_TIMEOUT_S = 2.0
+_STREAM_LENGTH = 10_000
+_FIRST_RETRY_S, _LAST_RETRY_S = 0.05, 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Received(Generic[M]):
+    """A message with the channel's instance that it is of."""
+
+    channel: Channel[M]
+    instance: str
+    message: M
+
+
+class SyncBus:
+    """The bus for loops that block, such as a camera's."""
+
+    def __init__(self, client: redis.Redis) -> None:
+        self.redis = client
+        self.dropped = 0
+
+    @classmethod
+    def connect(cls, url: str) -> Self:
+        """Connects lazily: nothing fails before the first call."""
+        return cls(
+            redis.Redis.from_url(
+                url, socket_timeout=_TIMEOUT_S, socket_connect_timeout=_TIMEOUT_S, retry=Retry(NoBackoff(), 1)
+            )
+        )
+
+    def publish(self, channel: Channel[M], instance: str, message: M) -> bool:
+        """Whether Redis took the message; see the module on what happens when it did not."""
+        data = encode(message)
+        try:
+            if channel.delivery is Delivery.EVERY:
+                self.redis.xadd(
+                    keys.stream(channel.name), {"i": instance, "m": data}, maxlen=_STREAM_LENGTH, approximate=True
+                )
+                return True
+            pipeline = self.redis.pipeline(transaction=False)
+            pipeline.hset(keys.live(channel.name), instance, data)
+            pipeline.publish(keys.topic(channel.name, instance), data)
+            pipeline.execute()
+        except UNAVAILABLE as error:
+            if channel.delivery is Delivery.EVERY:
+                raise BusUnavailableError(f"{channel.name} of {instance} not delivered: {error}") from error
+            self.dropped += 1
+            return False
+        return True
+
+    def latest_all(self, channel: Channel[M]) -> dict[str, M]:
+        """The newest message of every instance; empty while Redis is out of reach."""
+        try:
+            raw = cast("dict[bytes, bytes]", self.redis.hgetall(keys.live(channel.name)))
+        except UNAVAILABLE:
+            return {}
+        return _decoded(channel, raw)
+
+    def close(self) -> None:
+        self.redis.close()
+
+
+class Bus:
+    """The bus for asyncio."""
+
+    def __init__(self, client: redis.asyncio.Redis, clock: Clock | None = None) -> None:
+        self.redis = client
+        self.dropped = 0
+        self._clock = clock or SystemClock()
+
+    @classmethod
+    def connect(cls, url: str, clock: Clock | None = None) -> Self:
+        """Connects lazily: nothing fails before the first call."""
+        client = redis.asyncio.Redis.from_url(
+            url,
+            socket_timeout=_TIMEOUT_S,
+            socket_connect_timeout=_TIMEOUT_S,
+            retry=AsyncRetry(NoBackoff(), 1),
+        )
+        return cls(client, clock)
+
+    async def publish(self, channel: Channel[M], instance: str, message: M) -> bool:
+        """Whether Redis took the message; see the module on what happens when it did not."""
+        return await self.publish_all(channel, {instance: message})
+
+    async def publish_all(self, channel: Channel[M], messages: dict[str, M]) -> bool:
+        """One round trip for many instances of a channel."""
+        pipeline = self.redis.pipeline(transaction=False)
+        for instance, message in messages.items():
+            data = encode(message)
+            if channel.delivery is Delivery.EVERY:
+                pipeline.xadd(
+                    keys.stream(channel.name), {"i": instance, "m": data}, maxlen=_STREAM_LENGTH, approximate=True
+                )
+            else:
+                pipeline.hset(keys.live(channel.name), instance, data)  # pyright: ignore[reportUnusedCoroutine]  # queued
+                pipeline.publish(keys.topic(channel.name, instance), data)
+        try:
+            await pipeline.execute()
+        except UNAVAILABLE as error:
+            if channel.delivery is Delivery.EVERY:
+                raise BusUnavailableError(f"{channel.name} of {', '.join(messages)} not delivered: {error}") from error
+            self.dropped += len(messages)
+            return False
+        return True
+
+    async def latest(self, channel: Channel[M], instance: str) -> M | None:
+        """The newest message of one instance, None when there is none. BusUnavailableError while Redis is out of reach."""
+        try:
+            raw = cast("bytes | None", await self.redis.hget(keys.live(channel.name), instance))  # pyright: ignore[reportGeneralTypeIssues]  # typed for both clients
+        except UNAVAILABLE as error:
+            raise BusUnavailableError(f"cannot read {channel.name}: {error}") from error
+        return None if raw is None else decode(channel.message, raw)
+
+    async def latest_all(self, channel: Channel[M]) -> dict[str, M]:
+        """The newest message of every instance. BusUnavailableError while Redis is out of reach."""
+        try:
+            raw = cast("dict[bytes, bytes]", await self.redis.hgetall(keys.live(channel.name)))  # pyright: ignore[reportGeneralTypeIssues]  # typed for both clients
+        except UNAVAILABLE as error:
+            raise BusUnavailableError(f"cannot read {channel.name}: {error}") from error
+        return _decoded(channel, raw)
+
+    async def history(self, channel: Channel[M], count: int = 100) -> list[Received[M]]:
+        """The newest `count` messages of an EVERY channel, oldest first. BusUnavailableError while Redis is out of reach."""
+        try:
+            entries = await self.redis.xrevrange(keys.stream(channel.name), count=count)
+        except UNAVAILABLE as error:
+            raise BusUnavailableError(f"cannot read {channel.name}: {error}") from error
+        received = (_from_entry(channel, fields) for _, fields in reversed(cast("list[Any]", entries)))
+        return [item for item in received if item is not None]
+
+    async def subscribe(self, *channels: Channel[Any], instance: str | None = None) -> AsyncIterator[Received[Any]]:
+        """What is current on the LATEST channels, then everything new, for ever; of one instance or of all.
+
+        Cancel the task or close the generator to end it.
+        """
+        topics = {keys.topic(channel.name, instance or "*"): channel for channel in channels}
+        by_name = {channel.name: channel for channel in channels}
+        delay_s = _FIRST_RETRY_S
+        while True:
+            try:
+                async with self.redis.pubsub(ignore_subscribe_messages=True) as pubsub:
+                    await pubsub.psubscribe(*topics)
+                    for channel in channels:
+                        for name, message in (await self.latest_all(channel)).items():
+                            if instance is None or name == instance:
+                                yield Received(channel, name, message)
+                    delay_s = _FIRST_RETRY_S
+                    while True:
+                        item = cast("dict[str, Any] | None", await pubsub.get_message(timeout=_TIMEOUT_S / 2))
+                        if item is None:
+                            await pubsub.ping()  # pyright: ignore[reportGeneralTypeIssues]  # notices a dead connection
+                            continue
+                        if item["type"] != "pmessage":
+                            continue
+                        _, _, name, source = cast("bytes", item["channel"]).decode().split(":", 3)
+                        received = _received(by_name[name], source, cast("bytes", item["data"]))
+                        if received is not None:
+                            yield received
+            except (*UNAVAILABLE, BusUnavailableError) as error:
+                _logger.warning("Redis is out of reach, retrying in %.2f s: %s", delay_s, error)
+                await self._clock.sleep(delay_s)
+                delay_s = min(_LAST_RETRY_S, delay_s * 2)
+
+    async def close(self) -> None:
+        await self.redis.aclose()
+
+
+def _received(channel: Channel[M], instance: str, data: bytes) -> Received[M] | None:
+    """None, and a line in the log, for what does not decode: one bad producer must not end a subscriber."""
+    try:
+        return Received(channel, instance, decode(channel.message, data))
+    except DecodeError as error:
+        _logger.warning("ignored a message on %s of %s: %s", channel.name, instance, error)
+        return None
+
+
+def _decoded(channel: Channel[M], raw: dict[bytes, bytes]) -> dict[str, M]:
+    received: Iterable[Received[M] | None] = (_received(channel, key.decode(), data) for key, data in raw.items())
+    return {item.instance: item.message for item in received if item is not None}
+
+
+def _from_entry(channel: Channel[M], fields: dict[bytes, bytes]) -> Received[M] | None:
+    return _received(channel, fields[b"i"].decode(), fields[b"m"])

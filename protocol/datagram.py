@@ -1,0 +1,189 @@
+"""The project's own UDP datagram: pure functions between bytes and messages, and a guard against replays.
+
+Layout, big-endian:
+
+| bytes | field |
+|---|---|
+| 2 | magic `LP` |
+| 1 | version, 1 |
+| 1 | kind: 1 POSE, 2 STATUS, 3 DRIVE, 4 ODOMETRY |
+| 1 | flags: bit 0 set when an HMAC follows the payload; the others are 0 |
+| 1 | length of the sender's id, 1..32 |
+| 8 | sequence: starts at the sender's clock in microseconds and grows by one per datagram |
+| 8 | stamp: nanoseconds since the epoch at which it was sent |
+| 2 | length of the payload, at most 1400 |
+| n | sender id, UTF-8 |
+| n | payload: the message as JSON |
+| 32 | HMAC-SHA256 over all that precedes, where a key is configured |
+
+Starting the sequence at the clock lets a restarted sender go on without a handshake: its numbers are larger than before.
+"""
+
+import hmac
+import struct
+from dataclasses import dataclass
+from enum import IntEnum, StrEnum
+from hashlib import sha256
+
+from msgspec import Struct
+from pydantic import BaseModel
+
+from protocol.codec import decode, encode
+from protocol.errors import DecodeError
+from protocol.messages import DriveSetpoint, Odometry, Status, TrackedPose
+
+MAGIC = b"LP"
+VERSION = 1
+MAX_PAYLOAD = 1400
+"""Keeps a datagram within one Ethernet frame."""
+_HEADER = struct.Struct(">2sBBBBQQH")
+_HMAC_FLAG = 1
+_HMAC_SIZE = 32
+
+
+class Kind(IntEnum):
+    """What the payload is."""
+
+    POSE = 1
+    STATUS = 2
+    DRIVE = 3
+    ODOMETRY = 4
+
+
+MESSAGES: dict[Kind, type[BaseModel | Struct]] = {
+    Kind.POSE: TrackedPose,
+    Kind.STATUS: Status,
+    Kind.DRIVE: DriveSetpoint,
+    Kind.ODOMETRY: Odometry,
+}
+_KINDS: dict[type[BaseModel | Struct], Kind] = {message: kind for kind, message in MESSAGES.items()}
+
+
+@dataclass(frozen=True, slots=True)
+class Datagram:
+    """A message with its envelope; `stamp_ns` is when it was sent."""
+
+    sender: str
+    sequence: int
+    stamp_ns: int
+    message: BaseModel | Struct
+
+
+def pack(datagram: Datagram, key: bytes | None = None) -> bytes:
+    """The datagram's bytes, signed when there is a key. ValueError when it does not fit the layout."""
+    kind = _KINDS.get(type(datagram.message))
+    if kind is None:
+        raise ValueError(f"{type(datagram.message).__name__} does not travel by datagram")
+    sender = datagram.sender.encode()
+    if not 1 <= len(sender) <= 32:
+        raise ValueError(f"a sender id has 1 to 32 bytes, {datagram.sender!r} has {len(sender)}")
+    payload = encode(datagram.message)
+    if len(payload) > MAX_PAYLOAD:
+        raise ValueError(f"{len(payload)} bytes of {kind.name} exceed the {MAX_PAYLOAD} of a datagram")
+    header = _HEADER.pack(
+        MAGIC,
+        VERSION,
+        kind,
+        _HMAC_FLAG if key else 0,
+        len(sender),
+        datagram.sequence,
+        datagram.stamp_ns,
+        len(payload),
+    )
+    body = header + sender + payload
+    return body + hmac.digest(key, body, sha256) if key else body
+
+
+def unpack(data: bytes, key: bytes | None = None) -> Datagram:
+    """The datagram in `data`. DecodeError when it is short, of another layout, forged, or unsigned although a key is set;
+    a signature is not looked at where no key is configured."""
+    if len(data) < _HEADER.size:
+        raise DecodeError(f"datagram of {len(data)} bytes is shorter than its header ({_HEADER.size})")
+    magic, version, kind_number, flags, sender_size, sequence, stamp_ns, payload_size = _HEADER.unpack_from(data)
+    if magic != MAGIC:
+        raise DecodeError(f"datagram begins with {magic!r}, not {MAGIC!r}")
+    if version != VERSION:
+        raise DecodeError(f"datagram version {version}, this side speaks {VERSION}")
+    if flags & ~_HMAC_FLAG:
+        raise DecodeError(f"unknown datagram flags {flags:#04x}")
+    signed = bool(flags & _HMAC_FLAG)
+    body_size = _HEADER.size + sender_size + payload_size
+    if len(data) != body_size + (_HMAC_SIZE if signed else 0):
+        raise DecodeError(
+            f"datagram of {len(data)} bytes, its header announces {body_size} and {'an' if signed else 'no'} HMAC"
+        )
+    if key is not None:
+        if not signed:
+            raise DecodeError("datagram is not signed, a key is configured")
+        if not hmac.compare_digest(hmac.digest(key, data[:body_size], sha256), data[body_size:]):
+            raise DecodeError("datagram signature does not match")
+    try:
+        kind = Kind(kind_number)
+    except ValueError as error:
+        raise DecodeError(f"unknown datagram kind {kind_number}") from error
+    try:
+        sender = data[_HEADER.size : _HEADER.size + sender_size].decode()
+    except UnicodeDecodeError as error:
+        raise DecodeError("datagram sender is not UTF-8") from error
+    if not sender:
+        raise DecodeError("datagram without a sender")
+    message = decode(MESSAGES[kind], data[_HEADER.size + sender_size : body_size])
+    return Datagram(sender, sequence, stamp_ns, message)
+
+
+class Verdict(StrEnum):
+    """What the replay guard says of a datagram."""
+
+    FRESH = "fresh"
+    OLD = "old"
+    FUTURE = "future"
+    DUPLICATE = "duplicate"
+    OUT_OF_ORDER = "out_of_order"
+
+
+class ReplayGuard:
+    """Lets each sender's datagrams through once, in order, while they are fresh; counts every verdict.
+
+    `max_age_s` bounds how old a stamp may be, `max_ahead_s` how far in the future.
+    """
+
+    def __init__(self, max_age_s: float = 1.0, max_ahead_s: float = 0.5) -> None:
+        self._max_age_ns = round(max_age_s * 1e9)
+        self._max_ahead_ns = round(max_ahead_s * 1e9)
+        self._newest: dict[str, int] = {}
+        self.counts: dict[Verdict, int] = dict.fromkeys(Verdict, 0)
+
+    def check(self, datagram: Datagram, now_ns: int) -> Verdict:
+        """Only FRESH ones are to be used; they move the sender's newest sequence on."""
+        verdict = self._judge(datagram, now_ns)
+        if verdict is Verdict.FRESH:
+            self._newest[datagram.sender] = datagram.sequence
+        self.counts[verdict] += 1
+        return verdict
+
+    def forget(self, sender: str) -> None:
+        """Lets a sender start over, as after a registration with a clock that was set back."""
+        self._newest.pop(sender, None)
+
+    def _judge(self, datagram: Datagram, now_ns: int) -> Verdict:
+        age_ns = now_ns - datagram.stamp_ns
+        if age_ns > self._max_age_ns:
+            return Verdict.OLD
+        if -age_ns > self._max_ahead_ns:
+            return Verdict.FUTURE
+        newest = self._newest.get(datagram.sender)
+        if newest is None or datagram.sequence > newest:
+            return Verdict.FRESH
+        return Verdict.DUPLICATE if datagram.sequence == newest else Verdict.OUT_OF_ORDER
+
+
+class Sequencer:
+    """Numbers a sender's datagrams from its clock in microseconds upwards."""
+
+    def __init__(self, now_ns: int) -> None:
+        self._next = now_ns // 1000
+
+    def next(self) -> int:
+        number = self._next
+        self._next += 1
+        return number

@@ -1,0 +1,118 @@
+"""The lab description as a whole, cross-checked: ids are unique, references resolve, no tag means two things."""
+
+from collections.abc import Iterator
+from typing import Annotated, Self
+
+from pydantic import Field, ValidationInfo, model_validator
+
+from protocol.lab.base import Identifier, LabModel
+from protocol.lab.devices import Area, CameraSpec, FloorTags, Ports, VehicleSpec, ZoneSpec
+from protocol.lab.simulation import Simulation
+
+Location = tuple[str | int, ...]
+"""Where in the document: keys and list indices from the root."""
+
+
+class Lab(LabModel):
+    """Everything that exists, cross-checked: ids are unique, references resolve, no tag means two things."""
+
+    name: Identifier
+    areas: Annotated[tuple[Area, ...], Field(min_length=1)]
+    cameras: tuple[CameraSpec, ...] = ()
+    floor_tags: FloorTags
+    vehicles: tuple[VehicleSpec, ...] = ()
+    zones: tuple[ZoneSpec, ...] = ()
+    ports: Ports = Ports()
+    simulation: Simulation = Simulation()
+
+    @model_validator(mode="after")
+    def _cross_check(self, info: ValidationInfo) -> Self:
+        """Collects problems into the context's list when there is one (so that a loader can name lines), else raises."""
+        problems = list(_cross_problems(self))
+        collected = (info.context or {}).get("problems")
+        if collected is not None:
+            collected.extend(problems)
+        elif problems:
+            raise ValueError("; ".join(what for _, what in problems))
+        return self
+
+    def camera(self, camera_id: str) -> CameraSpec:
+        """The camera of that id; KeyError when there is none."""
+        for camera in self.cameras:
+            if camera.id == camera_id:
+                return camera
+        raise KeyError(f"no camera {camera_id!r} in the lab description")
+
+    def vehicle(self, vehicle_id: str) -> VehicleSpec:
+        """The vehicle of that id; KeyError when there is none."""
+        for vehicle in self.vehicles:
+            if vehicle.id == vehicle_id:
+                return vehicle
+        raise KeyError(f"no vehicle {vehicle_id!r} in the lab description")
+
+    def area_at(self, x: float, y: float) -> Area | None:
+        """The first area that contains the point (metres, map frame)."""
+        return next((area for area in self.areas if area.contains(x, y)), None)
+
+    def bounds(self) -> tuple[float, float, float, float]:
+        """min x, min y, max x, max y of all areas, in metres."""
+        xs = [x for area in self.areas for x, _ in area.outline]
+        ys = [y for area in self.areas for _, y in area.outline]
+        return min(xs), min(ys), max(xs), max(ys)
+
+    @property
+    def has_simulation(self) -> bool:
+        """Whether any camera or vehicle is simulated."""
+        return any(c.source == "sim" for c in self.cameras) or any(v.driver == "sim" for v in self.vehicles)
+
+
+def _cross_problems(lab: Lab) -> Iterator[tuple[Location, str]]:
+    for section, ids in (
+        ("areas", [a.id for a in lab.areas]),
+        ("cameras", [c.id for c in lab.cameras]),
+        ("vehicles", [v.id for v in lab.vehicles]),
+        ("zones", [z.id for z in lab.zones]),
+    ):
+        for index, name in enumerate(ids):
+            if name in ids[:index]:
+                yield (section, index, "id"), f"id {name!r} is used twice in {section}"
+    areas = {area.id for area in lab.areas}
+    for index, camera in enumerate(lab.cameras):
+        if camera.area not in areas:
+            yield (
+                ("cameras", index, "area"),
+                f"camera {camera.id!r} is in area {camera.area!r}, which does not exist (areas: {_listed(areas)})",
+            )
+        if camera.source == "sim" and camera.id not in lab.simulation.mounts:
+            yield ("cameras", index, "source"), f"simulated camera {camera.id!r} has no entry in simulation.mounts"
+    yield from _tag_clashes(lab)
+    known_cameras, known_vehicles = {c.id for c in lab.cameras}, {v.id for v in lab.vehicles}
+    for name in lab.simulation.mounts:
+        if name not in known_cameras:
+            yield (
+                ("simulation", "mounts", name),
+                f"mount for unknown camera {name!r} (cameras: {_listed(known_cameras)})",
+            )
+    for name in lab.simulation.starts:
+        if name not in known_vehicles:
+            yield (
+                ("simulation", "starts", name),
+                f"start for unknown vehicle {name!r} (vehicles: {_listed(known_vehicles)})",
+            )
+
+
+def _tag_clashes(lab: Lab) -> Iterator[tuple[Location, str]]:
+    """A family and id may mean one thing only: one floor tag or one vehicle (spec localization, "The room")."""
+    owners = {(lab.floor_tags.family, tag_id): f"floor tag {tag_id}" for tag_id in lab.floor_tags.poses}
+    for index, vehicle in enumerate(lab.vehicles):
+        key = (vehicle.tag.family, vehicle.tag.id)
+        if key in owners:
+            yield (
+                ("vehicles", index, "tag", "id"),
+                f"{key[0]} id {key[1]} is used by both {owners[key]} and vehicle {vehicle.id!r}",
+            )
+        owners[key] = f"vehicle {vehicle.id!r}"
+
+
+def _listed(names: set[str]) -> str:
+    return ", ".join(sorted(names)) or "none"

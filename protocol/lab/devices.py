@@ -1,0 +1,158 @@
+"""What stands in a lab: areas, cameras, tags, vehicles, zones, ports."""
+
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+from shapely.geometry import Point, Polygon
+
+from geometry import SE2, CameraModel
+from protocol.lab.base import (
+    Family,
+    Finite,
+    Identifier,
+    LabModel,
+    NonNegative,
+    Outline,
+    PoseXYYaw,
+    Positive,
+    require_simple,
+)
+
+
+class Area(LabModel):
+    """A part of the floor that robots may use: a simple polygon in metres, map frame."""
+
+    id: Identifier
+    outline: Outline
+
+    @model_validator(mode="after")
+    def _simple(self) -> Self:
+        require_simple(self.outline, "outline")
+        return self
+
+    def contains(self, x: float, y: float) -> bool:
+        """Whether the point (metres, map frame) lies inside or on the border."""
+        return bool(Polygon(self.outline).covers(Point(x, y)))
+
+
+class Intrinsics(LabModel):
+    """Pinhole parameters in pixels and k1, k2, p1, p2, k3 (OpenCV's order)."""
+
+    fx: Positive
+    fy: Positive
+    cx: Finite
+    cy: Finite
+    distortion: tuple[Finite, Finite, Finite, Finite, Finite] = (0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+class CameraSpec(LabModel):
+    """A ceiling camera. `source` is `sim`, a path, a URL, or a V4L2 device number."""
+
+    id: Identifier
+    area: Identifier
+    source: str | int
+    width: Annotated[int, Field(gt=0, le=16384)]
+    height: Annotated[int, Field(gt=0, le=16384)]
+    rate_hz: Annotated[float, Field(gt=0, le=1000)]
+    color: bool = False
+    intrinsics: Intrinsics
+
+    def model(self) -> CameraModel:
+        """The camera's parameters as geometry's data type."""
+        i = self.intrinsics
+        return CameraModel(self.width, self.height, i.fx, i.fy, i.cx, i.cy, i.distortion)
+
+
+class FloorTags(LabModel):
+    """Tags glued to the floor (z = 0) that tie the cameras to the map frame: id -> x, y (m), yaw (rad) of the tag's
+    centre; yaw 0 means that the edge from its left-bottom to its right-bottom corner points along map +x."""
+
+    family: Family = "tag36h11"
+    size_m: Positive
+    poses: dict[int, PoseXYYaw]
+
+
+class VehicleTag(LabModel):
+    """The tag on a vehicle's roof. `height_m` is its height above the floor; `offset` is x, y (m) and yaw (rad) of its
+    centre seen from the vehicle's rotation centre."""
+
+    family: Family = "tag36h11"
+    id: Annotated[int, Field(ge=0)]
+    size_m: Positive
+    height_m: NonNegative
+    offset: PoseXYYaw = (0.0, 0.0, 0.0)
+
+    def pose_on_vehicle(self) -> SE2:
+        """T_vehicle_tag in the plane."""
+        return SE2(*self.offset)
+
+
+class ObstacleBox(LabModel):
+    """The blue box in front of a robot (spec gpss): where it starts ahead of the rotation centre, its length along the
+    path and its width, in metres, and whether it ends at the next waypoint or runs past it."""
+
+    start_m: NonNegative = 1.0
+    length_m: Positive = 1.0
+    width_m: Positive = 0.6
+    stop_at_waypoint: bool = False
+
+
+class Limits(LabModel):
+    """What a vehicle can do: m/s, rad/s, m/s^2, rad/s^2."""
+
+    speed_mps: Positive = 0.5
+    yaw_rate_radps: Positive = 1.0
+    acceleration_mps2: Positive = 0.5
+    braking_mps2: Positive = 2.0
+    yaw_acceleration_radps2: Positive = 4.0
+
+
+class VehicleSpec(LabModel):
+    """A robot. `footprint` is its outline in metres seen from its rotation centre (x forward, y left)."""
+
+    id: Identifier
+    kind: Literal["wifibot", "turtlebot", "agv", "freke"]
+    footprint: Outline
+    driver: Identifier = "sim"
+    tag: VehicleTag
+    limits: Limits = Limits()
+    obstacle_box: ObstacleBox = ObstacleBox()
+
+    @model_validator(mode="after")
+    def _simple(self) -> Self:
+        require_simple(self.footprint, "footprint")
+        return self
+
+
+class ZoneSpec(LabModel):
+    """An exclusive zone cut into sub-areas (polygons in metres, map frame); vehicles nearer than `detection_m` matter."""
+
+    id: Identifier
+    detection_m: Positive
+    subareas: dict[Identifier, Outline]
+
+    @model_validator(mode="after")
+    def _simple(self) -> Self:
+        for name, outline in self.subareas.items():
+            require_simple(outline, f"sub-area {name}")
+        return self
+
+
+Port = Annotated[int, Field(gt=0, lt=65536)]
+
+
+class Ports(LabModel):
+    """Where the system listens: HTTP of the console and API, UDP from robots, the loopback-only port of the 3D scene,
+    and UDP of the simulated lab's vehicles."""
+
+    http: Port = 8000
+    robots_udp: Port = 2020
+    scene: Port = 8010
+    lab_udp: Port = 2030
+
+    @model_validator(mode="after")
+    def _distinct(self) -> Self:
+        for a, b in (("http", "scene"), ("robots_udp", "lab_udp")):
+            if getattr(self, a) == getattr(self, b):
+                raise ValueError(f"{a} and {b} cannot share port {getattr(self, a)}")
+        return self

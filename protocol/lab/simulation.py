@@ -1,0 +1,61 @@
+"""What only the simulated lab reads: the truth behind cameras and vehicles, and its knobs."""
+
+from typing import Annotated
+
+from pydantic import Field
+
+from protocol.lab.base import Finite, Identifier, LabModel, NonNegative, PointXY, PoseXYYaw, Positive
+
+
+class SimulatedMount(LabModel):
+    """Where a simulated camera truly hangs. With zero tilts it looks straight down and its image's x axis points along
+    `yaw` (rad) in the map: T_map_camera = translate(position) Rz(yaw) Rx(pi + tilt_x) Ry(tilt_y)."""
+
+    position: tuple[Finite, Finite, Positive]
+    yaw: Finite = 0.0
+    tilt_x: Finite = 0.0
+    tilt_y: Finite = 0.0
+
+
+class SimulatedImage(LabModel):
+    """What the simulated sensor does to the light: Gaussian noise (grey levels), blur sigma (px), gain of the exposure,
+    and the relative fall-off of the light from one end of the room to the other."""
+
+    noise_std: NonNegative = 2.0
+    blur_sigma_px: NonNegative = 0.6
+    exposure: Positive = 1.0
+    lighting_gradient: Annotated[float, Field(ge=0, lt=1)] = 0.15
+
+
+class SimulatedDrive(LabModel):
+    """How simulated wheels lie: relative scale error of left and right odometry, noise of each step relative to the way
+    travelled, relative slip, and the delay of the motors' answer."""
+
+    left_scale: Positive = 1.0
+    right_scale: Positive = 1.0
+    noise: NonNegative = 0.01
+    slip: Annotated[float, Field(ge=0, lt=1)] = 0.02
+    delay_s: NonNegative = 0.03
+
+
+class SimulatedNetwork(LabModel):
+    """What happens to datagrams between robots and the rest: share lost and duplicated, delay and its jitter (s)."""
+
+    loss: Annotated[float, Field(ge=0, lt=1)] = 0.0
+    duplication: Annotated[float, Field(ge=0, lt=1)] = 0.0
+    delay_s: NonNegative = 0.0
+    jitter_s: NonNegative = 0.0
+
+
+class Simulation(LabModel):
+    """What only the simulated lab reads: the truth behind the cameras and vehicles, and its knobs."""
+
+    seed: int = 1
+    step_s: Annotated[float, Field(gt=0, le=0.05)] = 0.01
+    mounts: dict[Identifier, SimulatedMount] = Field(default_factory=dict)
+    starts: dict[Identifier, PoseXYYaw] = Field(default_factory=dict)
+    lanes: tuple[Annotated[tuple[PointXY, ...], Field(min_length=2)], ...] = ()
+    floor_tag_error_m: NonNegative = 0.0
+    image: SimulatedImage = SimulatedImage()
+    drive: SimulatedDrive = SimulatedDrive()
+    network: SimulatedNetwork = SimulatedNetwork()

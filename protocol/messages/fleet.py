@@ -1,0 +1,233 @@
+"""Orders and what robots say of themselves (spec gpss): Command, Status, Response, waypoints, routes, assignments."""
+
+from enum import StrEnum
+from typing import Annotated, Self
+
+from pydantic import Field, model_validator
+
+from protocol.messages.base import Finite, Identifier, Message, NonNegative, Positive, StampNs
+
+
+class Movement(StrEnum):
+    """What a command asks for. The first four are GPSS's; `Drive` carries a hand-driven twist."""
+
+    MOVE_TO = "MoveTo"
+    WAITING = "Waiting"
+    NO_ACTION = "NoAction"
+    ROTATE = "Rotate"
+    DRIVE = "Drive"
+
+
+class ReasonCode(StrEnum):
+    """Why a robot drives, waits or stands; machine-readable."""
+
+    ROUTE = "route"
+    ROUTE_DONE = "route_done"
+    MANUAL = "manual"
+    IDLE = "idle"
+    PAUSED = "paused"
+    OBSTACLE = "obstacle"
+    ROBOT_AHEAD = "robot_ahead"
+    EMERGENCY_STOP = "emergency_stop"
+    POSE_STALE = "pose_stale"
+    COMMAND_STALE = "command_stale"
+    OBSTACLES_UNKNOWN = "obstacles_unknown"
+    OUTSIDE_AREA = "outside_area"
+    WAYPOINT_MISSING = "waypoint_missing"
+    NOT_CONNECTED = "not_connected"
+    DRIVER_FAULT = "driver_fault"
+
+
+class Reason(Message):
+    """A code for machines and a sentence for people, e.g. ("obstacle", "0.42 m ahead at (3.1, 0.9)")."""
+
+    code: ReasonCode
+    text: str = ""
+
+
+class Target(Message):
+    """Where to drive, metres in the map frame, and the heading to end with (rad) if it matters."""
+
+    x: Finite
+    y: Finite
+    yaw: Finite | None = None
+
+
+class Command(Message):
+    """Server to robot, rewritten many times while driving.
+
+    Commands of one robot are ordered by (epoch, sequence): the epoch grows each time a guidance takes over, so a robot
+    refuses what an older brain still sends. A command is not to be obeyed after `deadline_ns`.
+    """
+
+    robot: Identifier
+    epoch: Annotated[int, Field(ge=0)]
+    sequence: Annotated[int, Field(ge=0)]
+    stamp_ns: StampNs
+    deadline_ns: StampNs
+    movement: Movement
+    reason: Reason
+    target: Target | None = None
+    speed_mps: NonNegative = 0.0
+    final: bool = Field(
+        default=False, description="Whether the target is a place to arrive at, not a carrot on the way."
+    )
+    linear_mps: Finite = 0.0
+    angular_radps: Finite = 0.0
+
+    @model_validator(mode="after")
+    def _complete(self) -> Self:
+        if self.movement is Movement.MOVE_TO and self.target is None:
+            raise ValueError("MoveTo needs a target")
+        if self.movement is Movement.ROTATE and (self.target is None or self.target.yaw is None):
+            raise ValueError("Rotate needs a target with yaw")
+        return self
+
+    @property
+    def order(self) -> tuple[int, int]:
+        """Commands with a smaller order than one already obeyed are to be ignored."""
+        return self.epoch, self.sequence
+
+
+class Mode(StrEnum):
+    """VDA5050's operating modes, as far as they apply."""
+
+    AUTOMATIC = "AUTOMATIC"
+    MANUAL = "MANUAL"
+
+
+class Status(Message):
+    """Robot to server, continuously: where it believes to be and what it really does."""
+
+    robot: Identifier
+    sequence: Annotated[int, Field(ge=0)]
+    stamp_ns: StampNs
+    x: Finite | None = Field(default=None, description="None until the robot has been localized once.")
+    y: Finite | None = None
+    yaw: Finite | None = None
+    linear_mps: Finite
+    angular_radps: Finite
+    ip: str = ""
+    area: str | None = None
+    battery: Annotated[float, Field(ge=0, le=1)] | None = Field(default=None, description="Share of full charge.")
+    mode: Mode = Mode.AUTOMATIC
+    faults: tuple[str, ...] = ()
+    command_order: tuple[int, int] | None = Field(default=None, description="(epoch, sequence) of the command obeyed.")
+    stopped_by: Reason | None = Field(default=None, description="Why the robot itself holds still, if it does.")
+    pose_age_s: NonNegative | None = None
+    command_age_s: NonNegative | None = None
+
+
+class Outcome(StrEnum):
+    """What became of a command. `accepted` has an empty reached_ns, as in the report."""
+
+    ACCEPTED = "accepted"
+    REFUSED = "refused"
+    REACHED = "reached"
+
+
+class Response(Message):
+    """Robot to server: the command it answers, what was really applied, and when the target was reached (empty before)."""
+
+    robot: Identifier
+    command_order: tuple[int, int]
+    command_stamp_ns: StampNs
+    stamp_ns: StampNs
+    outcome: Outcome
+    movement: Movement
+    applied_speed_mps: NonNegative = 0.0
+    reached_ns: StampNs | None = None
+    reason: str = ""
+
+
+class Waypoint(Message):
+    """A place on the floor: metres in the map frame; the radius within which it counts as reached; the heading (rad) to
+    leave it with if that matters."""
+
+    id: Identifier
+    area: Identifier
+    x: Finite
+    y: Finite
+    radius_m: Annotated[float, Field(gt=0, le=5, allow_inf_nan=False)] = 0.15
+    yaw: Finite | None = None
+
+
+class Leg(Message):
+    """One leg of a route: the waypoint it ends at and the speed set-point on the way there."""
+
+    waypoint: Identifier
+    speed_mps: Annotated[float, Field(gt=0, le=10, allow_inf_nan=False)] = 0.3
+
+
+class Route(Message):
+    """Ordered legs, driven once or looped."""
+
+    id: Identifier
+    legs: Annotated[tuple[Leg, ...], Field(min_length=1, max_length=1000)]
+    loop: bool = False
+
+
+class AssignmentState(StrEnum):
+    """The life of an assignment; RUNNING and PAUSED are not over."""
+
+    RUNNING = "running"
+    PAUSED = "paused"
+    DONE = "done"
+    STOPPED = "stopped"
+    FAILED = "failed"
+
+
+class Assignment(Message):
+    """A route given to a robot, and how far it has come. Durable: it survives every restart."""
+
+    id: Annotated[str, Field(min_length=1, max_length=64)]
+    robot: Identifier
+    route: Identifier
+    state: AssignmentState
+    leg: Annotated[int, Field(ge=0)] = Field(default=0, description="Index of the leg being driven.")
+    laps: Annotated[int, Field(ge=0)] = 0
+    speed_scale: Annotated[float, Field(gt=0, le=2, allow_inf_nan=False)] = 1.0
+    started_ns: StampNs
+    changed_ns: StampNs
+    started_by: str = ""
+    reason: str = ""
+
+
+class RobotSettings(Message):
+    """What an operator may set per robot; absent fields fall back to the lab description."""
+
+    box_start_m: NonNegative | None = None
+    box_length_m: Positive | None = None
+    box_width_m: Positive | None = None
+    stop_at_waypoint: bool | None = None
+
+
+class Registration(Message):
+    """A robot's introduction: where it listens for UDP and who it is. `session` differs after each restart."""
+
+    robot: Identifier
+    kind: str = ""
+    host: str
+    udp_port: Annotated[int, Field(gt=0, lt=65536)]
+    session: str = Field(default="", max_length=64)
+    stamp_ns: StampNs = 0
+
+
+class ManualDrive(Message):
+    """A hand on the stick: the twist asked for, by whom, and until when it counts (the lease)."""
+
+    robot: Identifier
+    linear_mps: Finite
+    angular_radps: Finite
+    holder: str
+    expires_ns: StampNs
+
+
+class EmergencyStop(Message):
+    """The fleet-wide latch. Engaged until a person releases it; `epoch` grows with every change."""
+
+    engaged: bool
+    epoch: Annotated[int, Field(ge=0)] = 0
+    stamp_ns: StampNs = 0
+    by: str = ""
+    reason: str = ""

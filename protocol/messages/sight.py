@@ -1,0 +1,101 @@
+"""What the cameras see, on the way of a frame: msgspec structs, checked when decoded, frozen."""
+
+from msgspec import Struct
+
+
+class Detection(Struct, frozen=True, forbid_unknown_fields=True):
+    """One tag in one frame.
+
+    `corners_px` are four (x, y) in pixels, the first pixel's centre is (0, 0), in the order in which OpenCV's ArUco module
+    gives them. `x`, `y`, `yaw` are the pose of the *tag* in the map frame (m, rad), `covariance` the upper triangle
+    (xx, xy, xyaw, yy, yyaw, yawyaw) of its covariance (m^2, m rad, rad^2).
+    """
+
+    family: str
+    tag_id: int
+    corners_px: tuple[tuple[float, float], tuple[float, float], tuple[float, float], tuple[float, float]]
+    decision_margin: float
+    x: float
+    y: float
+    yaw: float
+    covariance: tuple[float, float, float, float, float, float]
+
+
+class FrameDetections(Struct, frozen=True, forbid_unknown_fields=True):
+    """The vehicle tags found in one frame of one camera. `stamp_ns` is the capture time, `sent_ns` when the message was
+    ready; `timings_ms` has the stages wait, detect, undistort, pose."""
+
+    camera: str
+    stamp_ns: int
+    sent_ns: int
+    frame: int
+    full_search: bool
+    detections: tuple[Detection, ...]
+    timings_ms: dict[str, float]
+
+
+class TrackedPose(Struct, frozen=True, forbid_unknown_fields=True):
+    """A vehicle's rotation centre in the map frame at `stamp_ns` (capture time of the newest frame that was fused).
+
+    Velocities are in the map frame (m/s, rad/s); `covariance` as in Detection; `cameras` saw it in that update.
+    """
+
+    vehicle: str
+    stamp_ns: int
+    x: float
+    y: float
+    yaw: float
+    vx: float
+    vy: float
+    yaw_rate: float
+    covariance: tuple[float, float, float, float, float, float]
+    cameras: tuple[str, ...]
+    area: str | None = None
+
+
+class CameraState(Struct, frozen=True, forbid_unknown_fields=True):
+    """How a camera does. `error` says what is wrong (None when nothing is); latency is frame to message, median of the
+    last seconds, in ms; `reprojection_px` is the extrinsics' RMS error, None before calibration."""
+
+    camera: str
+    stamp_ns: int
+    connected: bool
+    error: str | None
+    width: int
+    height: int
+    rate_hz: float
+    latency_ms: float
+    frames: int
+    broken: int
+    skipped: int
+    floor_tags_seen: tuple[int, ...]
+    reprojection_px: float | None
+    timings_ms: dict[str, float]
+
+
+class CameraExtrinsics(Struct, frozen=True, forbid_unknown_fields=True):
+    """T_map_camera: a calibration result. `rotvec` is axis times angle (rad), `translation` metres; a point of the camera
+    frame (x right, y down, z forward) is mapped into the map frame."""
+
+    camera: str
+    stamp_ns: int
+    rotvec: tuple[float, float, float]
+    translation: tuple[float, float, float]
+    reprojection_px: float
+    floor_tags: tuple[int, ...]
+
+
+class FloorRaster(Struct, frozen=True, forbid_unknown_fields=True):
+    """A grid on the floor. Cell (row, column) covers x from origin_x + column * cell_m and y from origin_y + row * cell_m;
+    rows grow with y. `occupied` and `observed` are bit fields, row-major, most significant bit first (numpy.packbits);
+    a cell not observed says nothing."""
+
+    source: str
+    stamp_ns: int
+    origin_x: float
+    origin_y: float
+    cell_m: float
+    columns: int
+    rows: int
+    occupied: bytes
+    observed: bytes

@@ -1,0 +1,52 @@
+"""What every process is told through its environment; built in `main()`, never at import."""
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """Resolved settings of one process. Secrets are left out of `repr`, so the whole can be printed at start."""
+
+    lab: Path
+    state: Path
+    redis_url: str
+    server_url: str
+    host: str
+    udp_key: bytes | None = field(repr=False)
+    token: str = field(repr=False)
+
+    @classmethod
+    def from_environment(cls, environment: Mapping[str, str] = os.environ) -> "Settings":
+        """LILLIPUT_LAB and REDIS_URL are needed; LILLIPUT_STATE, LILLIPUT_SERVER, LILLIPUT_HOST (what servers bind to),
+        LILLIPUT_UDP_KEY (hex) and LILLIPUT_TOKEN have defaults. SystemExit with a sentence when something is wrong."""
+        missing = [name for name in ("LILLIPUT_LAB", "REDIS_URL") if not environment.get(name)]
+        if missing:
+            raise SystemExit(f"set {' and '.join(missing)} in the environment, or start through ./lilliput up")
+        key = environment.get("LILLIPUT_UDP_KEY", "")
+        try:
+            udp_key = bytes.fromhex(key) or None
+        except ValueError:
+            raise SystemExit("LILLIPUT_UDP_KEY must be hexadecimal digits") from None
+        return cls(
+            lab=Path(environment["LILLIPUT_LAB"]),
+            state=Path(environment.get("LILLIPUT_STATE", ".lilliput")),
+            redis_url=environment["REDIS_URL"],
+            server_url=environment.get("LILLIPUT_SERVER", "http://127.0.0.1:8000"),
+            host=environment.get("LILLIPUT_HOST", "127.0.0.1"),
+            udp_key=udp_key,
+            token=environment.get("LILLIPUT_TOKEN", ""),
+        )
+
+
+def frames_folder(state: Path) -> Path:
+    """Where the simulated cameras' shared frames lie: in memory where the system has /dev/shm, apart per state folder."""
+    shared = Path("/dev/shm")  # noqa: S108  # named by a digest of the private state folder
+    if not shared.is_dir() or not os.access(shared, os.W_OK):
+        return state / "frames"
+    import hashlib
+
+    digest = hashlib.sha256(str(state.resolve()).encode()).hexdigest()[:16]
+    return shared / f"lilliput-{os.getuid()}-{digest}"
