@@ -20,6 +20,7 @@ from protocol.messages import (
     FloorRaster,
     FrameDetections,
     GroundTruth,
+    GuidanceState,
     ManualDrive,
     ProcessState,
     Registration,
@@ -67,6 +68,7 @@ RASTERS = Channel("rasters", FloorRaster, Instances.CAMERA, "camera", 7.5, 1.0)
 POSES = Channel("poses", TrackedPose, Instances.VEHICLE, "tracker", 15.0, 0.5)
 OBSTACLES = Channel("obstacles", FloorRaster, Instances.LAB, "mapper", 10.0, 1.0)
 COMMANDS = Channel("commands", Command, Instances.VEHICLE, "guidance", 10.0, 0.5)
+GUIDANCE = Channel("guidance", GuidanceState, Instances.VEHICLE, "guidance", 10.0, 0.5)
 REGISTRATIONS = Channel("registrations", Registration, Instances.VEHICLE, "agent", 0.2, 15.0)
 STATUSES = Channel("statuses", Status, Instances.VEHICLE, "agent", 10.0, 1.0)
 MANUAL = Channel("manual", ManualDrive, Instances.VEHICLE, "server", 0.0, 0.0)
@@ -83,6 +85,7 @@ CHANNELS: tuple[Channel[Any], ...] = (
     POSES,
     OBSTACLES,
     COMMANDS,
+    GUIDANCE,
     REGISTRATIONS,
     STATUSES,
     MANUAL,

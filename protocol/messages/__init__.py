@@ -25,6 +25,7 @@ from protocol.messages.fleet import (
     Target,
     Waypoint,
 )
+from protocol.messages.guidance import Blockage, GuidanceState
 from protocol.messages.sight import (
     CameraExtrinsics,
     CameraState,
@@ -39,6 +40,7 @@ from protocol.messages.system import Event, EventLevel, ProcessState
 __all__ = [
     "Assignment",
     "AssignmentState",
+    "Blockage",
     "CameraExtrinsics",
     "CameraState",
     "Command",
@@ -50,6 +52,7 @@ __all__ = [
     "FloorRaster",
     "FrameDetections",
     "GroundTruth",
+    "GuidanceState",
     "Leg",
     "ManualDrive",
     "Mode",
