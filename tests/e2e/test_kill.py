@@ -70,7 +70,7 @@ class Watch:
 
 
 def prepare_route(system: RunningSystem) -> None:
-    corners = [(1.0, 1.0), (7.0, 1.0), (7.0, 2.2), (1.0, 2.2), (1.0, 1.0), (7.0, 1.0), (7.0, 2.2), (1.0, 2.2)]
+    corners = [(1.0, 1.0), (5.8, 1.0), (5.8, 2.2), (1.0, 2.2), (1.0, 1.0), (5.8, 1.0), (5.8, 2.2), (1.0, 2.2)]
     for index, (x, y) in enumerate(corners):
         body = {"id": f"kill-{index}", "area": "camp", "x": x, "y": y, "radius_m": 0.2}
         system.api.put(f"/waypoints/kill-{index}", json=body).raise_for_status()
@@ -85,7 +85,6 @@ def configured(system: RunningSystem) -> dict[str, Any]:
 def test_killing_each_process_in_turn_loses_nothing_and_the_route_finishes(tmp_path: Path) -> None:
     with running_system(tmp_path) as system:
         system.wait_until_driving_is_possible()
-        # The other robots stand in the lane's ends; they are driven aside by nobody, so the course stays clear of them.
         prepare_route(system)
         before = configured(system)
         system.api.put(f"/robots/{ROBOT}/assignment", json={"route": "kill"}).raise_for_status()
