@@ -1,0 +1,169 @@
+"""A camera finds its own place: extrinsics from the floor tags at the start, and a watch over them afterwards.
+
+Corners are averaged over several frames, so a floor tag's own detection noise hardly counts. A stored result is used at
+once and checked against what is seen; a camera that was moved says so, gives no poses, and calibrates itself again.
+"""
+
+from collections.abc import Iterable, Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geometry import CameraModel
+from localization.detection import TagObservation
+from localization.extrinsics import MIN_TAGS, ExtrinsicsError, estimate_extrinsics, reprojection_px
+from localization.projection import CameraView, extrinsics_pose
+from localization.tags import KnownTags
+from protocol.messages import CameraExtrinsics
+
+Array = NDArray[np.float64]
+Corners = dict[int, Array]
+
+_MOST_MISFIT_M = 0.015
+"""An estimate that leaves the floor tags' corners further off than this is refused: an id, a yaw or a size is wrong."""
+_MOVED_M = 0.006
+"""Floor tags this far from where they should be mean that the camera moved; hand-measured tags are off by less."""
+_MOVED_IN_A_ROW = 3
+_SHAKE_PX = 1.0
+_PATIENCE = 5
+"""Full searches in a row without floor tags after which there is no hurry to calibrate."""
+
+
+class SelfCalibration:
+    """Watches one camera's floor tags and keeps its extrinsics."""
+
+    def __init__(
+        self,
+        camera_id: str,
+        model: CameraModel,
+        known: KnownTags,
+        *,
+        frames: int = 10,
+        stored: CameraExtrinsics | None = None,
+    ) -> None:
+        self._camera_id, self._model, self._frames = camera_id, model, frames
+        self._size_m = known.floor_size_m
+        self._family = next((family for family, _ in known.floor), "")
+        self._expected: Corners = {key[1]: known.floor_corners(key) for key in known.floor}
+        self._extrinsics: CameraExtrinsics | None = None
+        self._view: CameraView | None = None
+        self._samples: list[Corners] | None = []
+        self._suspicions = 0
+        self._empty_searches = 0
+        self.floor_tags_seen: tuple[int, ...] = ()
+        self.problem: str | None = None
+        if stored is not None:
+            self._use(stored)
+
+    @property
+    def extrinsics(self) -> CameraExtrinsics | None:
+        """What poses may be computed with; None before the first calibration and after the camera was moved."""
+        return self._extrinsics
+
+    @property
+    def view(self) -> CameraView | None:
+        """The camera with these extrinsics."""
+        return self._view
+
+    @property
+    def eager(self) -> bool:
+        """Whether the next frame should be searched for floor tags, without waiting for the next regular full search."""
+        collecting = self._samples is not None and self._empty_searches < _PATIENCE
+        return collecting or self._suspicions > 0
+
+    def observe(self, tags: Iterable[TagObservation], stamp_ns: int) -> CameraExtrinsics | None:
+        """Takes the tags of a full search; returns extrinsics when there are new ones."""
+        seen = self._floor_tags(tags)
+        self.floor_tags_seen = tuple(sorted(seen))
+        self._empty_searches = 0 if len(seen) >= MIN_TAGS else self._empty_searches + 1
+        if self._samples is None:
+            self._watch(seen)
+            return None
+        if len(seen) < MIN_TAGS:
+            if self._extrinsics is None:
+                self.problem = f"not calibrated: sees {len(seen)} floor tags, needs {MIN_TAGS}"
+            return None
+        self._samples.append(seen)
+        if len(self._samples) < self._frames:
+            return None
+        samples, self._samples = self._samples, []
+        return self._calibrate(samples, stamp_ns)
+
+    def _floor_tags(self, tags: Iterable[TagObservation]) -> Corners:
+        """Corners of the floor tags; a floor tag seen twice is believed in neither place."""
+        seen: Corners = {}
+        twice: set[int] = set()
+        for tag in tags:
+            if tag.family == self._family and tag.tag_id in self._expected:
+                if tag.tag_id in seen:
+                    twice.add(tag.tag_id)
+                seen[tag.tag_id] = tag.corners
+        return {tag_id: corners for tag_id, corners in seen.items() if tag_id not in twice}
+
+    def _calibrate(self, samples: list[Corners], stamp_ns: int) -> CameraExtrinsics | None:
+        mean, shake_px = _averaged(samples)
+        if shake_px > _SHAKE_PX:
+            self.problem = f"not calibrated: the picture shakes, floor tags move by {shake_px:.1f} px"
+            return None
+        try:
+            estimate = estimate_extrinsics(self._model, mean, self._expected, self._size_m)
+        except ExtrinsicsError as error:
+            self.problem = f"not calibrated: {error}"
+            return None
+        misfit_m = estimate.reprojection_px / self._px_per_m(mean)
+        if misfit_m > _MOST_MISFIT_M:
+            self.problem = (
+                f"not calibrated: floor tags {', '.join(str(tag) for tag in estimate.used)} are {misfit_m * 1e3:.0f} mm off"
+                " where the lab description has them; check their ids, poses and size and the camera's intrinsics"
+            )
+            return None
+        self._samples = None
+        self.problem = None
+        if self._view is not None:
+            stored_px = _median(reprojection_px(self._model, self._view.T_map_camera, mean, self._expected))
+            if stored_px <= max(2.0 * estimate.reprojection_px, estimate.reprojection_px + 0.5):
+                return None  # what was stored still holds
+        rx, ry, rz = (float(v) for v in estimate.T_map_camera.rotvec())
+        x, y, z = (float(v) for v in estimate.T_map_camera.translation)
+        self._use(
+            CameraExtrinsics(
+                self._camera_id, stamp_ns, (rx, ry, rz), (x, y, z), estimate.reprojection_px, estimate.used
+            )
+        )
+        return self._extrinsics
+
+    def _watch(self, seen: Corners) -> None:
+        if self._view is None or len(seen) < MIN_TAGS:
+            self._suspicions = 0
+            return
+        off_px = _median(reprojection_px(self._model, self._view.T_map_camera, seen, self._expected))
+        assert self._extrinsics is not None
+        off_m = (off_px - self._extrinsics.reprojection_px) / self._px_per_m(seen)
+        self._suspicions = self._suspicions + 1 if off_m > _MOVED_M else 0
+        if self._suspicions >= _MOVED_IN_A_ROW:
+            self.problem = f"the camera moved: floor tags are {off_m * 1e3:.0f} mm off; calibrating again"
+            self._extrinsics, self._view = None, None
+            self._samples, self._suspicions = [], 0
+
+    def _use(self, extrinsics: CameraExtrinsics) -> None:
+        self._extrinsics = extrinsics
+        self._view = CameraView(self._model, extrinsics_pose(extrinsics))
+
+    def _px_per_m(self, seen: Mapping[int, Array]) -> float:
+        sides = [np.linalg.norm(c - np.roll(c, 1, axis=0), axis=1).mean() for c in seen.values()]
+        return float(np.mean(sides)) / self._size_m
+
+
+def _averaged(samples: list[Corners]) -> tuple[Corners, float]:
+    """Mean corners of the tags seen in at least half of the frames, and the median over tags of how much they moved (px)."""
+    by_tag: dict[int, list[Array]] = {}
+    for sample in samples:
+        for tag_id, corners in sample.items():
+            by_tag.setdefault(tag_id, []).append(corners)
+    steady = {tag: np.array(seen) for tag, seen in by_tag.items() if 2 * len(seen) >= len(samples)}
+    mean: Corners = {tag: seen.mean(axis=0) for tag, seen in steady.items()}
+    return mean, _median({tag: float(seen.std(axis=0).max()) for tag, seen in steady.items()})
+
+
+def _median(values: Mapping[int, float]) -> float:
+    return float(np.median(list(values.values()))) if values else 0.0

@@ -1,0 +1,99 @@
+"""Between the pixels of one calibrated camera and the map frame, point by point (spec localization, pipeline step 4).
+
+Pinhole and Brown-Conrady distortion by OpenCV's points-only functions. `CameraView` is made anew for each calibration.
+"""
+
+from dataclasses import dataclass
+from typing import Any, cast
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from geometry import SE3, CameraModel
+from protocol.messages import CameraExtrinsics
+
+Array = NDArray[np.float64]
+
+_UNDISTORTION: Any = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 40, 1e-10)
+_BORDER_SLACK = 1.15
+"""Rays this much outside the image's own may still be projected; further out the distortion polynomial may fold back."""
+
+
+class PointsAtInfinityError(ValueError):
+    """Rays that never meet the plane they are intersected with."""
+
+
+def undistort(model: CameraModel, pixels: Array) -> Array:
+    """Pixels of shape (N, 2) to the undistorted image plane at depth 1 (x right, y down), shape (N, 2)."""
+    points = np.ascontiguousarray(pixels, dtype=np.float64).reshape(-1, 1, 2)
+    plane = cv2.undistortPoints(points, model.matrix(), model.distortion_array(), criteria=_UNDISTORTION)
+    return plane.reshape(-1, 2).astype(np.float64, copy=False)
+
+
+def extrinsics_pose(extrinsics: CameraExtrinsics) -> SE3:
+    """T_map_camera of the message."""
+    return SE3.from_rotvec(extrinsics.rotvec, extrinsics.translation)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PlaneHits:
+    """Where rays meet a horizontal plane: `points` (N, 2), metres in the map frame; `jacobians` (N, 2, 2), how the points
+    move per unit of the undistorted image plane; divided by the focal length, per pixel."""
+
+    points: Array
+    jacobians: Array
+
+
+class CameraView:
+    """One camera with its pose. Points in the map frame are metres, pixels are OpenCV's."""
+
+    def __init__(self, model: CameraModel, T_map_camera: SE3) -> None:
+        self.model = model
+        self.T_map_camera = T_map_camera
+        self._rotation = T_map_camera.rotation
+        self._centre = T_map_camera.translation
+        T_camera_map = T_map_camera.inverse()
+        self._rvec, self._tvec = T_camera_map.rotvec(), np.array(T_camera_map.translation)
+        self._map_to_camera = T_camera_map.rotation
+        self._matrix, self._distortion = model.matrix(), model.distortion_array()
+        self._widest = _BORDER_SLACK * float(np.linalg.norm(undistort(model, _border(model)), axis=1).max())
+
+    def hits(self, plane: Array, height_m: float) -> PlaneHits:
+        """Intersects the rays through undistorted image points (N, 2) with the plane z = height_m.
+
+        With C the camera's centre and d = R (x, y, 1)^T: P = C + (h - C_z) d / d_z, differentiated by the quotient rule.
+        PointsAtInfinityError when a ray does not come down (or up) to the plane.
+        """
+        rotation, centre = self._rotation, self._centre
+        directions = plane @ rotation[:, :2].T + rotation[:, 2]
+        depth = height_m - centre[2]
+        dz = directions[:, 2]
+        if not bool(np.all(dz * depth > 1e-9)):
+            raise PointsAtInfinityError(f"a ray does not meet the plane z = {height_m} m")
+        ratio = directions[:, :2] / dz[:, None]
+        jacobians = depth * (rotation[None, :2, :2] - ratio[:, :, None] * rotation[2, :2]) / dz[:, None, None]
+        return PlaneHits(centre[:2] + depth * ratio, jacobians)
+
+    def project(self, points: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """Pixels (N, 2) of points (N, 3), also outside the image, and whether they mean anything, shape (N,): points behind
+        the camera or far outside its view have no pixel."""
+        in_camera = (points - self._centre) @ self._map_to_camera.T
+        z = in_camera[:, 2]
+        meant = (z > 1e-3) & (np.hypot(in_camera[:, 0], in_camera[:, 1]) <= self._widest * np.maximum(z, 1e-3))
+        raw, _ = cv2.projectPoints(points, self._rvec, self._tvec, self._matrix, self._distortion)
+        return cast("Array", raw.reshape(-1, 2)), meant
+
+    def distance_m(self, points: Array) -> Array:
+        """How far points (N, 3) are from the camera's centre, shape (N,)."""
+        return cast("Array", np.linalg.norm(points - self._centre, axis=1))
+
+
+def _border(model: CameraModel, steps: int = 16) -> Array:
+    """Pixels along the image's edge, shape (4 * steps, 2)."""
+    along = np.linspace(0.0, 1.0, steps)
+    zero, one = np.zeros(steps), np.ones(steps)
+    unit = np.concatenate(
+        [np.stack(pair, axis=1) for pair in ((along, zero), (along, one), (zero, along), (one, along))]
+    )
+    return unit * (model.width - 1, model.height - 1)
