@@ -1,0 +1,181 @@
+"""Guidance's side of Redis: the lease that makes one guidance the active one, the snapshot, and saying what was decided.
+
+All that an active guidance writes goes through one script that first looks whether the lease is still its own: one that was
+held up, or whose lease ran out, writes nothing. Assignments are replaced only when they are still what was read.
+"""
+
+import logging
+from collections.abc import Mapping
+from typing import Any, TypeVar, cast
+
+import redis.asyncio
+from msgspec import Struct
+from pydantic import BaseModel
+
+from protocol import keys
+from protocol.channels import (
+    COMMANDS,
+    EMERGENCY_STOP,
+    EVENTS,
+    GUIDANCE,
+    LAB_INSTANCE,
+    MANUAL,
+    OBSTACLES,
+    POSES,
+    STATUSES,
+    Channel,
+)
+from protocol.clock import Clock
+from protocol.codec import decode, encode
+from protocol.errors import DecodeError
+from protocol.messages import Assignment, EmergencyStop, RobotSettings, Route, Waypoint
+from server.guidance.snapshot import Outcome, Snapshot
+
+M = TypeVar("M", bound=BaseModel | Struct)
+_logger = logging.getLogger(__name__)
+
+LEASE_S = 1.0
+_STREAM_LENGTH = 10_000
+_HIGHEST_JUMP = 1000
+"""An epoch that is claimed to be further ahead than this is taken for nonsense."""
+
+_ACQUIRE = """
+if redis.call('EXISTS', KEYS[1]) == 1 then return false end
+local epoch = redis.call('INCR', KEYS[2])
+local floor = tonumber(ARGV[2])
+if floor >= epoch and floor < epoch + tonumber(ARGV[3]) then
+  epoch = floor + 1
+  redis.call('SET', KEYS[2], string.format('%d', epoch))
+end
+redis.call('SET', KEYS[1], string.format('%d', epoch), 'PX', ARGV[1])
+return epoch
+"""
+_RELEASE = "if redis.call('GET', KEYS[1]) == ARGV[1] then return redis.call('DEL', KEYS[1]) end return 0"
+# ARGV: epoch, lease in ms, then three groups, each after its count: live messages (hash, topic, instance, data),
+# assignments (robot, what it was, what it becomes), events (instance, data).
+_SAY = """
+if redis.call('GET', KEYS[1]) ~= ARGV[1] then return 0 end
+redis.call('PEXPIRE', KEYS[1], ARGV[2])
+local at = 3
+local function count() at = at + 1 return tonumber(ARGV[at - 1]) end
+for _ = 1, count() do
+  redis.call('HSET', ARGV[at], ARGV[at + 2], ARGV[at + 3])
+  redis.call('PUBLISH', ARGV[at + 1], ARGV[at + 3])
+  at = at + 4
+end
+for _ = 1, count() do
+  if redis.call('HGET', KEYS[2], ARGV[at]) == ARGV[at + 1] then redis.call('HSET', KEYS[2], ARGV[at], ARGV[at + 2]) end
+  at = at + 3
+end
+for _ = 1, count() do
+  redis.call('XADD', KEYS[3], 'MAXLEN', '~', ARGV[at], '*', 'i', ARGV[at + 1], 'm', ARGV[at + 2])
+  at = at + 3
+end
+return 1
+"""
+
+
+class GuidanceStore:
+    """What guidance reads and writes. Every method raises redis-py's errors while Redis is out of reach."""
+
+    def __init__(self, client: redis.asyncio.Redis, clock: Clock) -> None:
+        self._redis = client
+        self._clock = clock
+        self._acquire = client.register_script(_ACQUIRE)
+        self._release = client.register_script(_RELEASE)
+        self._say = client.register_script(_SAY)
+        self._decoded: dict[str, dict[str, tuple[bytes, Any]]] = {}
+        self._assignments: Mapping[str, bytes] = {}
+
+    async def acquire(self, above: int) -> int | None:
+        """Becomes the active guidance: the new epoch, greater than every earlier one and than `above`; None while another
+        one is active."""
+        got = await self._acquire(
+            keys=[keys.GUIDANCE_LEASE, keys.GUIDANCE_EPOCH], args=[round(LEASE_S * 1000), above, _HIGHEST_JUMP]
+        )
+        return None if got is None else int(cast("int", got))
+
+    async def release(self, epoch: int) -> None:
+        """Gives the lease back if it is still that epoch's, so that a stand-by need not wait for it to run out."""
+        await self._release(keys=[keys.GUIDANCE_LEASE], args=[epoch])
+
+    async def snapshot(self) -> Snapshot:
+        """Everything that guidance reads, in one round trip. What does not decode is left out with a line in the log; an
+        emergency stop that cannot be read counts as engaged."""
+        pipeline = self._redis.pipeline(transaction=False)
+        channels = (POSES, STATUSES, MANUAL, EMERGENCY_STOP, OBSTACLES)
+        hashes = (keys.WAYPOINTS, keys.ROUTES, keys.ASSIGNMENTS, keys.ROBOT_SETTINGS)
+        for key in (*(keys.live(channel.name) for channel in channels), *hashes):
+            pipeline.hgetall(key)  # pyright: ignore[reportUnusedCoroutine]  # queued
+        raw = cast("list[dict[bytes, bytes]]", await pipeline.execute())
+        poses, statuses, manual, stop, obstacles, waypoints, routes, assignments, settings = raw
+        self._assignments = {name.decode(): data for name, data in assignments.items()}
+        stops = self._live(EMERGENCY_STOP, stop)
+        latch = stops.get(LAB_INSTANCE)
+        if latch is None and LAB_INSTANCE.encode() in stop:
+            latch = EmergencyStop(engaged=True, reason="its record cannot be read")
+        return Snapshot(
+            now_ns=self._clock.now_ns(),
+            now_s=self._clock.monotonic_s(),
+            poses=self._live(POSES, poses),
+            statuses=self._live(STATUSES, statuses),
+            manual=self._live(MANUAL, manual),
+            emergency_stop=latch,
+            obstacles=self._live(OBSTACLES, obstacles).get(LAB_INSTANCE),
+            waypoints=self._decode(keys.WAYPOINTS, Waypoint, waypoints),
+            routes=self._decode(keys.ROUTES, Route, routes),
+            assignments=self._decode(keys.ASSIGNMENTS, Assignment, assignments),
+            settings=self._decode(keys.ROBOT_SETTINGS, RobotSettings, settings),
+        )
+
+    async def highest_epoch(self, snapshot: Snapshot) -> int:
+        """The highest epoch that was commanded or that a robot says it obeyed."""
+        commands = cast("dict[bytes, bytes]", await self._redis.hgetall(keys.live(COMMANDS.name)))  # pyright: ignore[reportGeneralTypeIssues]  # typed for both clients
+        return max(
+            0,
+            *(command.epoch for command in self._live(COMMANDS, commands).values()),
+            *obeyed_epochs(snapshot),
+        )
+
+    async def say(self, outcome: Outcome, epoch: int) -> bool:
+        """Publishes, all or nothing, and renews the lease; False when the lease is no longer that epoch's."""
+        live: list[bytes | str] = []
+        for channel, messages in ((COMMANDS, outcome.commands), (GUIDANCE, outcome.states)):
+            for name, message in messages.items():
+                live += [keys.live(channel.name), keys.topic(channel.name, name), name, encode(message)]
+        changes: list[bytes | str] = []
+        for change in outcome.changes:
+            robot = change.before.robot
+            changes += [robot, self._assignments.get(robot, b""), encode(change.after)]
+        events: list[bytes | str | int] = []
+        for event in outcome.events:
+            events += [_STREAM_LENGTH, LAB_INSTANCE, encode(event)]
+        args = [epoch, round(LEASE_S * 1000), len(live) // 4, *live]
+        args += [len(changes) // 3, *changes, len(events) // 3, *events]
+        said = await self._say(keys=[keys.GUIDANCE_LEASE, keys.ASSIGNMENTS, keys.stream(EVENTS.name)], args=args)
+        return said == 1
+
+    def _live(self, channel: Channel[M], raw: dict[bytes, bytes]) -> dict[str, M]:
+        return self._decode(channel.name, channel.message, raw)
+
+    def _decode(self, what: str, kind: type[M], raw: dict[bytes, bytes]) -> dict[str, M]:
+        """Decodes only what changed since the last time."""
+        known, fresh = self._decoded.get(what, {}), dict[str, tuple[bytes, Any]]()
+        for name_bytes, data in raw.items():
+            name = name_bytes.decode(errors="replace")
+            before = known.get(name)
+            if before is not None and before[0] == data:
+                fresh[name] = before
+                continue
+            try:
+                fresh[name] = (data, decode(kind, data))
+            except DecodeError as error:
+                fresh[name] = (data, None)
+                _logger.warning("ignored %s of %s: %s", what, name, error)
+        self._decoded[what] = fresh
+        return {name: cast("M", message) for name, (_, message) in fresh.items() if message is not None}
+
+
+def obeyed_epochs(snapshot: Snapshot) -> list[int]:
+    """The epochs of the commands that robots say they obey."""
+    return [status.command_order[0] for status in snapshot.statuses.values() if status.command_order is not None]
