@@ -19,10 +19,12 @@ class Settings:
     token: str = field(repr=False)
 
     @classmethod
-    def from_environment(cls, environment: Mapping[str, str] = os.environ) -> "Settings":
-        """LILLIPUT_LAB and REDIS_URL are needed; LILLIPUT_STATE, LILLIPUT_SERVER, LILLIPUT_HOST (what servers bind to),
-        LILLIPUT_UDP_KEY (hex) and LILLIPUT_TOKEN have defaults. SystemExit with a sentence when something is wrong."""
-        missing = [name for name in ("LILLIPUT_LAB", "REDIS_URL") if not environment.get(name)]
+    def from_environment(cls, environment: Mapping[str, str] = os.environ, *, needs_redis: bool = True) -> "Settings":
+        """LILLIPUT_LAB and, where `needs_redis`, REDIS_URL are needed; LILLIPUT_STATE, LILLIPUT_SERVER, LILLIPUT_HOST (what
+        servers bind to), LILLIPUT_UDP_KEY (hex) and LILLIPUT_TOKEN have defaults. SystemExit with a sentence when
+        something is wrong."""
+        needed = ("LILLIPUT_LAB", "REDIS_URL") if needs_redis else ("LILLIPUT_LAB",)
+        missing = [name for name in needed if not environment.get(name)]
         if missing:
             raise SystemExit(f"set {' and '.join(missing)} in the environment, or start through ./lilliput up")
         key = environment.get("LILLIPUT_UDP_KEY", "")
@@ -33,7 +35,7 @@ class Settings:
         return cls(
             lab=Path(environment["LILLIPUT_LAB"]),
             state=Path(environment.get("LILLIPUT_STATE", ".lilliput")),
-            redis_url=environment["REDIS_URL"],
+            redis_url=environment.get("REDIS_URL", ""),
             server_url=environment.get("LILLIPUT_SERVER", "http://127.0.0.1:8000"),
             host=environment.get("LILLIPUT_HOST", "127.0.0.1"),
             udp_key=udp_key,

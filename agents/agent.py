@@ -1,0 +1,188 @@
+"""The agent of one robot: connects the pilot to the server, the tracker and the base (docs/architecture.md, "The order of a
+robot"). It is also the example of how a robot takes part:
+
+1. open a UDP socket; register it over HTTP, again every 5 s and after each reconnection;
+2. follow the stream of commands; keep still until its first event says that the emergency stop is released;
+3. take poses from the UDP socket, odometry from the driver;
+4. twenty times a second, decide on a twist and send it to the base, zero included;
+5. ten times a second, send a status by UDP; when something else is obeyed or a target is reached, post a response.
+"""
+
+import asyncio
+import logging
+import secrets
+from contextlib import AsyncExitStack
+from dataclasses import dataclass, field
+
+from agents.control import CONTROLLERS, DEFAULT_CONTROLLER
+from agents.drivers import Driver, DriverError
+from agents.estimation import DEFAULT_ESTIMATOR, ESTIMATORS
+from agents.link import (
+    CommandStream,
+    Introduction,
+    Registrar,
+    ResponseQueue,
+    RobotSocket,
+    Welcome,
+    bind_host,
+    make_client,
+    server_host,
+)
+from agents.link.backoff import Backoff, Trouble
+from agents.motion import STOP
+from agents.pacing import Pacer
+from agents.pilot import Pilot
+from agents.safety import ODOMETRY_LIMIT_S, Verdict
+from protocol.clock import Clock
+from protocol.lab import Lab, VehicleSpec
+from protocol.messages import Command, EmergencyStop, TrackedPose
+
+CONTROL_RATE_HZ = 20.0
+STATUS_RATE_HZ = 10.0
+_logger = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, slots=True)
+class AgentConfig:
+    """Which robot, in which lab, under which server; `controller` and `estimator` are names of their registries."""
+
+    lab: Lab
+    vehicle: VehicleSpec
+    server_url: str
+    token: str = field(repr=False)
+    udp_key: bytes | None = field(default=None, repr=False)
+    controller: str = DEFAULT_CONTROLLER
+    estimator: str = DEFAULT_ESTIMATOR
+
+
+class Agent:
+    """`run` until cancelled; whatever ends it, the last set-point is zero."""
+
+    def __init__(self, config: AgentConfig, driver: Driver, clock: Clock) -> None:
+        vehicle = config.vehicle
+        self.pilot = Pilot(
+            config.lab, vehicle, ESTIMATORS[config.estimator](), CONTROLLERS[config.controller](vehicle.limits)
+        )
+        self.socket = RobotSocket(vehicle.id, config.udp_key, clock, self._on_pose)
+        self._config = config
+        self._driver = driver
+        self._clock = clock
+        self._server_host = server_host(config.server_url)
+        self._base_trouble = Trouble(_logger, "base")
+        self._order_trouble = Trouble(_logger, "refused commands")
+
+    async def run(self) -> None:
+        """For ever. OSError when no UDP socket can be opened."""
+        config, robot = self._config, self._config.vehicle.id
+        async with AsyncExitStack() as stack:
+            port = await self.socket.open(bind_host(self._server_host))
+            stack.callback(self.socket.close)
+            client = await stack.enter_async_context(make_client(config.server_url, config.token))
+            introduction = Introduction(kind=config.vehicle.kind, udp_port=port, session=secrets.token_hex(8))
+            registrar = Registrar(client, robot, introduction, self._clock, self._on_welcome)
+            stream = CommandStream(
+                client,
+                robot,
+                self._clock,
+                on_open=registrar.again,
+                on_command=self._on_command,
+                on_emergency_stop=self._on_emergency_stop,
+            )
+            responses = ResponseQueue(client, robot, self._clock)
+            stack.push_async_callback(self._driver.close)
+            _logger.info("%s listens on UDP port %d, server %s", robot, port, config.server_url)
+            async with asyncio.TaskGroup() as tasks:
+                tasks.create_task(self._keep_connected())
+                tasks.create_task(self._control(responses))
+                tasks.create_task(registrar.run())
+                tasks.create_task(stream.run())
+                tasks.create_task(responses.run())
+                tasks.create_task(self._report())
+
+    async def _keep_connected(self) -> None:
+        """Connects the driver, and again whenever it lost the base."""
+        backoff = Backoff()
+        while True:
+            try:
+                await self._driver.connect()
+                backoff.reset()
+                await self._clock.sleep(0.5)
+            except DriverError as error:
+                self._base_trouble.note(str(error))
+                await self._clock.sleep(backoff.next_s())
+
+    async def _control(self, responses: ResponseQueue) -> None:
+        """The control loop: the only place, but for the emergency stop and the end, that sends set-points."""
+        pacer = Pacer(self._clock, CONTROL_RATE_HZ)
+        while True:
+            self._read_base()
+            decision = self.pilot.decide(self._clock.now_ns(), self._clock.monotonic_s())
+            try:
+                self._driver.send_twist(decision.twist)
+            except DriverError as error:
+                self.pilot.odometry_failed(str(error))
+            for response in decision.responses:
+                responses.put(response)
+            overruns = pacer.overruns
+            await pacer.wait()
+            if pacer.overruns > overruns:
+                _logger.debug("control loop late, %d times so far", pacer.overruns)
+
+    def _read_base(self) -> None:
+        try:
+            reading = self._driver.read_odometry(ODOMETRY_LIMIT_S)
+        except DriverError as error:
+            self._base_trouble.note(str(error))
+            self.pilot.odometry_failed(str(error))
+            return
+        faults = self._driver.faults()
+        if faults:
+            self._base_trouble.note(faults[0])
+        else:
+            self._base_trouble.over()
+        self.pilot.odometry(reading, faults)
+
+    async def _report(self) -> None:
+        pacer = Pacer(self._clock, STATUS_RATE_HZ)
+        while True:
+            trouble = self._base_trouble.text
+            status = self.pilot.status(
+                self.socket.next_sequence(),
+                self._clock.now_ns(),
+                self._clock.monotonic_s(),
+                ip=self.socket.address,
+                battery=self._driver.battery(),
+                faults=() if trouble is None else (trouble,),
+            )
+            self.socket.send_status(status)
+            await pacer.wait()
+
+    def _on_pose(self, pose: TrackedPose) -> None:
+        self.pilot.camera_pose(pose, self._clock.now_ns(), self._clock.monotonic_s())
+
+    def _on_command(self, command: Command) -> None:
+        verdict = self.pilot.command(command, self._clock.now_ns(), self._clock.monotonic_s())
+        match verdict:
+            case Verdict.OLD_EPOCH:
+                self._order_trouble.note(
+                    f"a guidance of epoch {command.epoch} still commands, a newer one has taken over; restart this agent if"
+                    " the epochs have started over"
+                )
+            case Verdict.EXPIRED:
+                self._order_trouble.note("commands come after their deadline; do the clocks of robot and server agree?")
+            case Verdict.FOREIGN:
+                self._order_trouble.note(f"commands for {command.robot} come here")
+            case _:
+                self._order_trouble.over()
+
+    def _on_emergency_stop(self, event: EmergencyStop) -> None:
+        """Stops at once; the control loop then keeps on commanding zero."""
+        if self.pilot.emergency_stop(event):
+            _logger.warning("emergency stop: %s", event.reason or event.by or "engaged")
+            try:
+                self._driver.send_twist(STOP)
+            except DriverError as error:
+                self._base_trouble.note(str(error))
+
+    async def _on_welcome(self, welcome: Welcome) -> None:
+        await self.socket.send_to(self._server_host, welcome.robots_udp)

@@ -1,0 +1,44 @@
+"""The interface of path controllers, which turn a pose and a goal into a twist; pure, no clock of their own."""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from agents.motion import Twist
+from geometry import SE2
+
+
+@dataclass(frozen=True, slots=True)
+class Goal:
+    """Where to drive (m, map frame) and the speed set-point on the way there (m/s).
+
+    `final`: the robot is to arrive and stand there. Otherwise the goal is a carrot on the route, which moves on before the
+    robot gets to it.
+    """
+
+    x: float
+    y: float
+    speed_mps: float
+    final: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Steering:
+    """What to drive, with what led to it: the distance to the goal (m), the heading error (rad, counter-clockwise; before
+    any locking), and whether the goal counts as reached."""
+
+    twist: Twist
+    distance_m: float
+    heading_error_rad: float
+    reached: bool
+
+
+class PathController(Protocol):
+    """One controller per robot; it may remember the way towards the goal it has."""
+
+    def reset(self) -> None:
+        """Forgets everything: the robot stood still or obeyed something else meanwhile."""
+        ...
+
+    def steer(self, pose: SE2, twist: Twist, goal: Goal) -> Steering:
+        """The twist for this moment. `pose` is T_map_robot now, `twist` what the robot does now."""
+        ...

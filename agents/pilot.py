@@ -1,0 +1,211 @@
+"""The robot's mind without its senses: commands, poses and odometry come in, twists, responses and the status come out.
+
+No I/O and no clock, so everything that decides about motion can be tested by telling it times. `agents.agent` is the shell
+around it. One round of the control loop: `add_odometry` (or `odometry_failed`), then `decide`.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from agents.control import Executor, PathController, task_of
+from agents.drivers import OdometryReading
+from agents.estimation import Localization, PoseEstimator
+from agents.motion import STOP, Twist
+from agents.safety import CommandGate, EmergencyStopLatch, FrontGuard, Situation, Verdict, why_still
+from protocol.lab import Lab, VehicleSpec
+from protocol.messages import (
+    Command,
+    EmergencyStop,
+    Mode,
+    Movement,
+    Outcome,
+    Reason,
+    Response,
+    Status,
+    TrackedPose,
+)
+
+_FAR_M = 1e5
+_AHEAD_NS = 500_000_000
+_FAULTS = 4
+_FAULT_LENGTH = 120
+
+
+@dataclass(frozen=True, slots=True)
+class Decision:
+    """The twist to send, why the robot itself holds still (None when it obeys), and responses for the server."""
+
+    twist: Twist
+    stopped_by: Reason | None
+    responses: tuple[Response, ...]
+
+
+class Pilot:
+    """One robot's."""
+
+    def __init__(self, lab: Lab, vehicle: VehicleSpec, estimator: PoseEstimator, controller: PathController) -> None:
+        self.gate = CommandGate(vehicle.id)
+        self.latch = EmergencyStopLatch()
+        self.poses_rejected = 0
+        self._lab = lab
+        self._vehicle = vehicle
+        self._estimator = estimator
+        self._executor = Executor(controller, vehicle.limits)
+        self._front = FrontGuard()
+        self._reading: OdometryReading | None = None
+        self._fault: str | None = "no odometry yet"
+        self._pose_received_s = -math.inf
+        self._stopped_by: Reason | None = None
+        self._obeyed: Command | None = None
+        self._reached = False
+        self._answered: object = None
+        self._expired_answered = False
+        self._refused_epoch = -1
+        self._responses: list[Response] = []
+
+    def command(self, command: Command, now_ns: int, now_s: float) -> Verdict:
+        """A command arrived. What an older guidance says is refused once per epoch, what comes too late once in a row."""
+        verdict = self.gate.offer(command, now_ns, now_s)
+        if verdict is Verdict.OLD_EPOCH and command.epoch > self._refused_epoch:
+            self._refused_epoch = command.epoch
+            self._respond(command, Outcome.REFUSED, now_ns, "a newer guidance is in charge")
+        elif verdict is Verdict.EXPIRED and not self._expired_answered:
+            self._expired_answered = True
+            late_s = (now_ns - command.deadline_ns) / 1e9
+            self._respond(command, Outcome.REFUSED, now_ns, f"came {late_s:.2f} s after its deadline")
+        elif verdict is Verdict.OBEYED:
+            self._expired_answered = False
+        return verdict
+
+    def emergency_stop(self, event: EmergencyStop) -> bool:
+        """Whether the robot must stop now, without waiting for the next round."""
+        self.latch.update(event)
+        return self.latch.forbids() is not None
+
+    def camera_pose(self, pose: TrackedPose, now_ns: int, now_s: float) -> bool:
+        """Whether the pose was used. Another vehicle's, one from the future and one beyond any floor are not."""
+        plausible = abs(pose.x) < _FAR_M and abs(pose.y) < _FAR_M and abs(pose.yaw) < _FAR_M
+        used = (
+            plausible
+            and pose.vehicle == self._vehicle.id
+            and pose.stamp_ns <= now_ns + _AHEAD_NS
+            and self._estimator.add_camera_pose(pose)
+        )
+        if used:
+            self._pose_received_s = now_s
+        else:
+            self.poses_rejected += 1
+        return used
+
+    def odometry(self, reading: OdometryReading, faults: Sequence[str] = ()) -> None:
+        """What the base says now; with any fault the robot stands still. Numbers beyond any floor are a fault themselves."""
+        if max(abs(reading.pose.x), abs(reading.pose.y)) > _FAR_M:
+            self._fault = f"the base claims to be at ({reading.pose.x:.3g}, {reading.pose.y:.3g}) m"
+            return
+        self._reading = reading
+        self._fault = faults[0] if faults else None
+        self._estimator.add_odometry(reading)
+
+    def odometry_failed(self, why: str) -> None:
+        """The base says nothing, so nobody knows what its wheels do: the robot stands still."""
+        self._fault = why
+
+    def decide(self, now_ns: int, now_s: float) -> Decision:
+        """What to do in this round of the control loop."""
+        estimate = self._estimator.estimate(now_ns)
+        command = self.gate.fresh(now_ns, now_s)
+        stop = why_still(
+            Situation(
+                latch=self.latch.forbids(),
+                fault=self._fault,
+                command=command,
+                command_age_s=self.gate.age_s(now_s),
+                pose_age_s=self._pose_age_s(now_ns, now_s),
+            )
+        )
+        twist = STOP
+        self._obeyed, self._reached = None, False
+        if stop is None and command is not None and estimate.pose is not None and self._reading is not None:
+            execution = self._executor.execute(command, estimate.pose, self._reading.twist, now_s)
+            twist, stop = self._front.limit(execution.twist, self._reading.front_range_m)
+            self._obeyed, self._reached = command, execution.reached
+        else:
+            self._executor.reset()
+        self._stopped_by = stop
+        self._answer(command, stop, now_ns)
+        responses, self._responses = tuple(self._responses), []
+        return Decision(twist, stop, responses)
+
+    def status(
+        self, sequence: int, now_ns: int, now_s: float, *, ip: str, battery: float | None, faults: Sequence[str]
+    ) -> Status:
+        """What the robot says of itself; `faults` are the driver's and the agent's own."""
+        estimate = self._estimator.estimate(now_ns)
+        pose, twist = estimate.pose, self._reading.twist if self._reading and self._fault is None else STOP
+        area = None if pose is None else self._lab.area_at(pose.x, pose.y)
+        obeyed = self._obeyed
+        return Status(
+            robot=self._vehicle.id,
+            sequence=sequence,
+            stamp_ns=now_ns,
+            x=None if pose is None else pose.x,
+            y=None if pose is None else pose.y,
+            yaw=None if pose is None else pose.yaw,
+            linear_mps=twist.linear_mps,
+            angular_radps=twist.angular_radps,
+            ip=ip,
+            area=None if area is None else area.id,
+            battery=battery,
+            mode=Mode.MANUAL if obeyed is not None and obeyed.movement is Movement.DRIVE else Mode.AUTOMATIC,
+            faults=tuple(fault[:_FAULT_LENGTH] for fault in faults[:_FAULTS]),
+            command_order=None if obeyed is None else obeyed.order,
+            stopped_by=self._stopped_by,
+            pose_age_s=self._pose_age_s(now_ns, now_s),
+            command_age_s=self.gate.age_s(now_s),
+        )
+
+    def _pose_age_s(self, now_ns: int, now_s: float) -> float | None:
+        estimate = self._estimator.estimate(now_ns)
+        if estimate.localization is not Localization.ALIGNED or estimate.camera_stamp_ns is None:
+            return None
+        return max(0.0, (now_ns - estimate.camera_stamp_ns) / 1e9, now_s - self._pose_received_s)
+
+    def _answer(self, command: Command | None, stop: Reason | None, now_ns: int) -> None:
+        """Answers once when something else is obeyed, reached, or a wish to move is refused; not every rewriting."""
+        if command is None:
+            self._answered = None
+            return
+        if stop is None:
+            outcome, text = (Outcome.REACHED, "") if self._reached else (Outcome.ACCEPTED, "")
+        elif command.movement in (Movement.MOVE_TO, Movement.ROTATE, Movement.DRIVE):
+            outcome, text = Outcome.REFUSED, f"{stop.code}: {stop.text}"
+        else:
+            return  # it is to stand, and stands
+        speed = round(command.speed_mps, 1) if command.movement is Movement.MOVE_TO else 0.0
+        answer = (task_of(command), speed, outcome, None if stop is None else stop.code)
+        if answer == self._answered:
+            return
+        self._answered = answer
+        self._respond(command, outcome, now_ns, text)
+
+    def _respond(self, command: Command, outcome: Outcome, now_ns: int, text: str) -> None:
+        self._responses.append(
+            Response(
+                robot=self._vehicle.id,
+                command_order=command.order,
+                command_stamp_ns=command.stamp_ns,
+                stamp_ns=now_ns,
+                outcome=outcome,
+                movement=command.movement,
+                applied_speed_mps=0.0 if outcome is Outcome.REFUSED else self._applied_speed(command),
+                reached_ns=now_ns if outcome is Outcome.REACHED else None,
+                reason=text,
+            )
+        )
+
+    def _applied_speed(self, command: Command) -> float:
+        """The speed set-point after clipping to what the vehicle can do, m/s."""
+        asked = abs(command.linear_mps) if command.movement is Movement.DRIVE else command.speed_mps
+        moves = command.movement in (Movement.MOVE_TO, Movement.DRIVE)
+        return min(asked, self._vehicle.limits.speed_mps) if moves else 0.0
