@@ -30,6 +30,9 @@ _logger = logging.getLogger(__name__)
 UNAVAILABLE = (redis.ConnectionError, redis.TimeoutError, ConnectionError)
 """What redis-py raises when the server is out of reach (BusyLoadingError, while it reads its file, is a ConnectionError)."""
 _TIMEOUT_S = 2.0
+_RETRIED = (redis.ConnectionError,)
+"""A connection that Redis closed is opened again at once. A timeout is not tried again: it has cost enough time, and what
+timed out may have been done (an event would appear twice)."""
 _STREAM_LENGTH = 10_000
 _FIRST_RETRY_S, _LAST_RETRY_S = 0.05, 1.0
 
@@ -55,7 +58,7 @@ class SyncBus:
         """Connects lazily: nothing fails before the first call."""
         return cls(
             redis.Redis.from_url(
-                url, socket_timeout=_TIMEOUT_S, socket_connect_timeout=_TIMEOUT_S, retry=Retry(NoBackoff(), 1)
+                url, socket_timeout=_TIMEOUT_S, socket_connect_timeout=_TIMEOUT_S, retry=Retry(NoBackoff(), 1, _RETRIED)
             )
         )
 
@@ -106,7 +109,7 @@ class Bus:
             url,
             socket_timeout=_TIMEOUT_S,
             socket_connect_timeout=_TIMEOUT_S,
-            retry=AsyncRetry(NoBackoff(), 1),
+            retry=AsyncRetry(NoBackoff(), 1, _RETRIED),
         )
         return cls(client, clock)
 
