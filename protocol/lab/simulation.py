@@ -19,12 +19,14 @@ class SimulatedMount(LabModel):
 
 class SimulatedImage(LabModel):
     """What the simulated sensor does to the light: Gaussian noise (grey levels), blur sigma (px), gain of the exposure,
-    and the relative fall-off of the light from one end of the room to the other."""
+    the relative fall-off of the light from one end of the room to the other, and for how long (s) the shutter is open:
+    what moves meanwhile is smeared; a frame's stamp is the middle of that time."""
 
     noise_std: NonNegative = 2.0
     blur_sigma_px: NonNegative = 0.6
     exposure: Positive = 1.0
     lighting_gradient: Annotated[float, Field(ge=0, lt=1)] = 0.15
+    exposure_s: Annotated[float, Field(ge=0, le=0.1)] = 0.003
 
 
 class SimulatedDrive(LabModel):
