@@ -52,3 +52,8 @@ def frames_folder(state: Path) -> Path:
 
     digest = hashlib.sha256(str(state.resolve()).encode()).hexdigest()[:16]
     return shared / f"lilliput-{os.getuid()}-{digest}"
+
+
+def frame_ring(state: Path, camera_id: str) -> Path:
+    """The ring (`protocol.frames`) through which a simulated camera's frames go."""
+    return frames_folder(state) / f"{camera_id}.frames"
