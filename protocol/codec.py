@@ -22,7 +22,7 @@ def decode(kind: type[M], data: bytes | str) -> M:
     """The message in `data`; DecodeError, naming the kind and the field, when it is none."""
     try:
         if issubclass(kind, BaseModel):
-            return kind.model_validate_json(data)
+            return kind.model_validate_json(data, strict=True)  # as msgspec: "0.3" is no number
         return _struct_decoder(kind).decode(data)
     except ValidationError as error:
         first = error.errors(include_url=False)[0]

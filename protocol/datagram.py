@@ -80,6 +80,9 @@ def pack(datagram: Datagram, key: bytes | None = None) -> bytes:
     payload = encode(datagram.message)
     if len(payload) > MAX_PAYLOAD:
         raise ValueError(f"{len(payload)} bytes of {kind.name} exceed the {MAX_PAYLOAD} of a datagram")
+    for name, value in (("sequence", datagram.sequence), ("stamp", datagram.stamp_ns)):
+        if not 0 <= value < 2**64:
+            raise ValueError(f"{name} {value} does not fit a datagram")
     header = _HEADER.pack(
         MAGIC,
         VERSION,
