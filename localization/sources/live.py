@@ -1,0 +1,187 @@
+"""Reads a capture in a thread of its own: newest wins, a freeze holds nobody up, what fails is opened again.
+
+The reader keeps one frame (GulliView 2024, 3.1.1, with a buffer of one: only the newest is ever asked for). A reader that
+hangs inside its device is abandoned after a while and another one started.
+"""
+
+import logging
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import cast
+
+import cv2
+import numpy as np
+
+from localization.sources.base import BrokenFrameError, Capture, CaptureError, SourceState
+from protocol.clock import Clock
+from protocol.frames import Frame
+from protocol.lab import CameraSpec
+
+_logger = logging.getLogger(__name__)
+
+_BREATH_S = 0.005
+"""After a broken frame, so that a device that sends nothing else does not take a whole core."""
+_MOST_ABANDONED = 3
+"""Hanging readers that are waited for at most; each holds its device and a stack."""
+
+
+@dataclass(frozen=True, slots=True)
+class Patience:
+    """`stall_s`: silence that is reported; `abandon_s`: silence after which a hanging reader is given up;
+    `first_retry_s`, `last_retry_s`: pauses before opening again, doubling in between."""
+
+    stall_s: float = 1.0
+    abandon_s: float = 10.0
+    first_retry_s: float = 0.1
+    last_retry_s: float = 5.0
+
+
+class LiveSource:
+    """A `Source` over captures that `open_capture` makes (it may block and raise CaptureError)."""
+
+    def __init__(
+        self,
+        spec: CameraSpec,
+        open_capture: Callable[[], Capture],
+        clock: Clock,
+        patience: Patience | None = None,
+    ) -> None:
+        self._spec, self._open, self._clock = spec, open_capture, clock
+        given = patience or Patience()
+        # A slow camera is not a stalled one.
+        self._patience = Patience(
+            max(given.stall_s, 5.0 / spec.rate_hz), given.abandon_s, given.first_retry_s, given.last_retry_s
+        )
+        self._changed = threading.Condition()
+        self._ended = threading.Event()
+        self._frame: Frame | None = None
+        self._connected = False
+        self._error: str | None = "no frame yet"
+        self._received = self._broken = self._skipped = 0
+        self._last_sign_s = self._last_frame_s = clock.monotonic_s()
+        self._readers: list[threading.Thread] = []
+        self._start_reader()
+
+    @property
+    def state(self) -> SourceState:
+        with self._changed:
+            silence_s = self._clock.monotonic_s() - self._last_frame_s
+            error = self._error
+            if error is None and silence_s > self._patience.stall_s:
+                error = f"no frame for {silence_s:.1f} s"
+            connected = self._connected and silence_s <= self._patience.stall_s
+            return SourceState(connected, error, self._received, self._broken, self._skipped)
+
+    def newest(self, timeout_s: float) -> Frame | None:
+        with self._changed:
+            self._changed.wait_for(lambda: self._frame is not None or self._ended.is_set(), timeout_s)
+            frame, self._frame = self._frame, None
+        if frame is None:
+            self._replace_hanging_reader()
+        return frame
+
+    def close(self) -> None:
+        self._ended.set()
+        with self._changed:
+            self._changed.notify_all()
+        self._readers[-1].join(timeout=0.5)
+
+    def _start_reader(self) -> None:
+        name = f"reader-{self._spec.id}-{len(self._readers)}"
+        reader = threading.Thread(target=self._read, name=name, daemon=True)
+        self._readers.append(reader)
+        reader.start()
+
+    def _replace_hanging_reader(self) -> None:
+        with self._changed:
+            silence_s = self._clock.monotonic_s() - self._last_sign_s
+            if self._ended.is_set() or silence_s < self._patience.abandon_s:
+                return
+            self._readers = [reader for reader in self._readers if reader.is_alive()]
+            self._connected = False
+            self._error = f"the device hangs: no sign of it for {silence_s:.0f} s"
+            if len(self._readers) > _MOST_ABANDONED:
+                return
+            self._last_sign_s = self._clock.monotonic_s()
+        _logger.warning("camera %s: %s, opening it again", self._spec.id, self._error)
+        self._start_reader()
+
+    def _in_charge(self) -> bool:
+        return not self._ended.is_set() and self._readers[-1] is threading.current_thread()
+
+    def _read(self) -> None:
+        delay_s = self._patience.first_retry_s
+        while self._in_charge():
+            before = self._received
+            try:
+                self._read_one_capture()
+            except CaptureError as error:
+                self._report(str(error), connected=False)
+            except Exception as error:
+                # A driver's surprise costs this capture, not the camera.
+                _logger.exception("camera %s: reading failed", self._spec.id)
+                self._report(f"reading failed: {error}", connected=False)
+            if self._received > before:
+                delay_s = self._patience.first_retry_s
+            self._ended.wait(delay_s)
+            delay_s = min(self._patience.last_retry_s, 2 * delay_s)
+
+    def _read_one_capture(self) -> None:
+        """Opens one and reads until this reader is no longer in charge; CaptureError when the capture is over."""
+        capture = self._open()
+        try:
+            while self._in_charge():
+                try:
+                    raw = capture.read()
+                    frame = None if raw is None else checked(raw, self._spec)
+                except BrokenFrameError as error:
+                    self._report(str(error), connected=True, broken=True)
+                    self._ended.wait(_BREATH_S)
+                    continue
+                self._take(frame)
+        finally:
+            capture.close()
+
+    def _take(self, frame: Frame | None) -> None:
+        with self._changed:
+            if not self._in_charge():
+                return
+            self._last_sign_s = self._clock.monotonic_s()
+            if frame is None:
+                return
+            self._last_frame_s = self._last_sign_s
+            self._connected, self._error = True, None
+            self._received += 1
+            self._skipped += self._frame is not None
+            self._frame = frame
+            self._changed.notify_all()
+
+    def _report(self, error: str, *, connected: bool, broken: bool = False) -> None:
+        with self._changed:
+            if not self._in_charge():
+                return
+            if error != self._error:
+                _logger.warning("camera %s: %s", self._spec.id, error)
+            self._last_sign_s = self._clock.monotonic_s()
+            self._connected, self._error = connected, error
+            self._broken += broken
+
+
+def checked(frame: Frame, spec: CameraSpec) -> Frame:
+    """The frame in the shape that the lab description promises: its size, grey unless the camera is in colour.
+
+    BrokenFrameError for everything else: a frame of another size would be undistorted with the wrong numbers.
+    """
+    pixels = frame.pixels
+    if pixels.dtype != np.uint8 or pixels.ndim not in (2, 3) or (pixels.ndim == 3 and pixels.shape[2] != 3):
+        raise BrokenFrameError(f"a frame is {pixels.dtype} of shape {pixels.shape}, not an 8-bit grey or BGR image")
+    height, width = pixels.shape[:2]
+    if (width, height) != (spec.width, spec.height):
+        raise BrokenFrameError(
+            f"a frame is {width} x {height}, the lab description says {spec.width} x {spec.height}; it is not used"
+        )
+    if pixels.ndim == 3 and not spec.color:
+        grey = cast("np.ndarray[tuple[int, int], np.dtype[np.uint8]]", cv2.cvtColor(pixels, cv2.COLOR_BGR2GRAY))
+        return Frame(frame.number, frame.stamp_ns, grey)
+    return frame

@@ -1,0 +1,113 @@
+"""The tracker process: `python -m localization.tracker`. Detections of all cameras in; poses out by UDP and Redis.
+
+Robots are told first, then the bus: a slow Redis must not age their poses.
+"""
+
+import argparse
+import asyncio
+import contextlib
+import logging
+import signal
+from collections.abc import Sequence
+
+from localization.robot_poses import RobotPoses
+from localization.tracking import DuplicateTag, Tracker
+from protocol.bus import Bus
+from protocol.channels import DETECTIONS, EVENTS, LAB_INSTANCE, POSES, REGISTRATIONS
+from protocol.clock import Clock, SystemClock
+from protocol.errors import BusUnavailableError
+from protocol.lab import Lab, load_lab
+from protocol.messages import Event, EventLevel, FrameDetections, Registration
+from protocol.settings import Settings
+
+_logger = logging.getLogger(__name__)
+
+_OLDEST_S, _AHEAD_S = 2.0, 0.5
+"""Frames older than this, or from the future, come from a snapshot or a clock that is wrong."""
+_REPORT_EVERY_S = 10.0
+
+
+class TrackerService:
+    """The I/O around `Tracker`."""
+
+    def __init__(self, lab: Lab, bus: Bus, robots: RobotPoses, clock: Clock) -> None:
+        self._tracker, self._bus, self._robots, self._clock = Tracker(lab), bus, robots, clock
+        self._reported_s: dict[str, float] = {}
+
+    async def run(self) -> None:
+        """Until cancelled."""
+        await self._robots.open()
+        try:
+            async for received in self._bus.subscribe(DETECTIONS, REGISTRATIONS):
+                message = received.message
+                if isinstance(message, FrameDetections):
+                    await self._fuse(message)
+                elif isinstance(message, Registration):
+                    await self._robots.register(message)
+        finally:
+            self._robots.close()
+
+    async def _fuse(self, frame: FrameDetections) -> None:
+        age_s = (self._clock.now_ns() - frame.stamp_ns) * 1e-9
+        if not -_AHEAD_S <= age_s <= _OLDEST_S:
+            if self._may_report(f"clock of {frame.camera}"):
+                _logger.warning("ignored a frame of %s, stamped %.1f s ago", frame.camera, age_s)
+            return
+        poses = self._tracker.update(frame)
+        self._robots.send(poses)
+        if poses:
+            await self._bus.publish_all(POSES, {pose.vehicle: pose for pose in poses})
+        for duplicate in self._tracker.take_duplicates():
+            await self._report(duplicate)
+
+    async def _report(self, duplicate: DuplicateTag) -> None:
+        if not self._may_report(duplicate.vehicle):
+            return
+        _logger.warning("%s", duplicate)
+        event = Event(
+            stamp_ns=self._clock.now_ns(),
+            level=EventLevel.WARNING,
+            source="tracker",
+            kind="duplicate_tag",
+            text=str(duplicate),
+        )
+        with contextlib.suppress(BusUnavailableError):  # it stands in the log, and comes again
+            await self._bus.publish(EVENTS, LAB_INSTANCE, event)
+
+    def _may_report(self, what: str) -> bool:
+        now_s = self._clock.monotonic_s()
+        if now_s - self._reported_s.get(what, -_REPORT_EVERY_S) < _REPORT_EVERY_S:
+            return False
+        self._reported_s[what] = now_s
+        return True
+
+
+async def serve(lab: Lab, settings: Settings, rate_hz: float, clock: Clock) -> None:
+    """Runs the tracker until SIGTERM or SIGINT."""
+    bus = Bus.connect(settings.redis_url, clock)
+    service = TrackerService(lab, bus, RobotPoses(clock, settings.udp_key, rate_hz), clock)
+    task = asyncio.create_task(service.run())
+    for number in (signal.SIGTERM, signal.SIGINT):
+        asyncio.get_running_loop().add_signal_handler(number, task.cancel)
+    try:
+        with contextlib.suppress(asyncio.CancelledError):
+            await task
+    finally:
+        await bus.close()
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Settings come from the environment (`protocol.settings`), the rate from the command line."""
+    parser = argparse.ArgumentParser(prog="python -m localization.tracker", description=__doc__)
+    parser.add_argument(
+        "--udp-rate-hz", type=float, default=0.0, help="poses per second to each robot (0: every update, the default)"
+    )
+    given = parser.parse_args(arguments)
+    logging.basicConfig(level=logging.INFO, format="%(asctime)s %(levelname)s %(message)s")
+    settings = Settings.from_environment()
+    _logger.info("%s, UDP rate %s", settings, given.udp_rate_hz or "every update")
+    asyncio.run(serve(load_lab(settings.lab), settings, float(given.udp_rate_hz), SystemClock()))
+
+
+if __name__ == "__main__":
+    main()

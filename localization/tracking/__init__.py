@@ -1,0 +1,5 @@
+"""From detections of many cameras to one track per vehicle."""
+
+from localization.tracking.tracker import DuplicateTag, Tracker
+
+__all__ = ["DuplicateTag", "Tracker"]
