@@ -20,6 +20,8 @@ LOST_AFTER_S = 0.5
 _GATE = 21.11
 """The 99.99 % quantile of chi-square with three degrees of freedom."""
 _HISTORY_S = 0.6
+_CLOCK_SET_BACK_S = 5.0
+"""A sight this much older than the track is no late one: the cameras' clock was set back."""
 _STALE_S = 0.15
 """A track without accepted sights for this long may be taken over by one that its gate refuses."""
 _AGREEING = 2
@@ -90,7 +92,8 @@ class Track:
     def add(self, sight: Sight) -> Verdict:
         """Fuses a sight, or starts (again) with it, or refuses it."""
         newest = self.newest
-        if newest is None or sight.stamp_ns - newest.stamp_ns > LOST_AFTER_S * 1e9:
+        ahead_s = 0.0 if newest is None else (sight.stamp_ns - newest.stamp_ns) * 1e-9
+        if newest is None or ahead_s > LOST_AFTER_S or ahead_s < -_CLOCK_SET_BACK_S:
             return self._begin([sight])
         if any(step.sight.camera == sight.camera and step.sight.stamp_ns == sight.stamp_ns for step in self._steps):
             return Verdict.KNOWN

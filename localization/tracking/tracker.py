@@ -14,7 +14,7 @@ import shapely
 
 from geometry import SE2
 from localization.tag_pose import from_upper, upper, vehicle_pose
-from localization.tags import KnownTags
+from localization.tags import KnownTags, TagKey
 from localization.tracking.motion import State, map_velocity
 from localization.tracking.track import Sight, Track, Verdict
 from protocol.lab import Lab, VehicleSpec
@@ -24,6 +24,7 @@ _logger = logging.getLogger(__name__)
 
 _TOGETHER_S = 0.02
 """Cameras whose frames are this near in time count as having seen the vehicle in the same update."""
+_SAME_INSTANT_S = 0.05
 _APART_M = 0.10
 """Two detections of one id in one frame this far apart are two tags."""
 _MOST_REPORTS = 100
@@ -62,7 +63,7 @@ class Tracker:
         """Takes one camera's frame; returns the new poses of the vehicles whose tracks it changed, each at the capture time
         of the newest frame fused so far."""
         changed: list[TrackedPose] = []
-        for vehicle, detections in self._by_vehicle(frame).items():
+        for vehicle, detections in self._by_vehicle(frame):
             sight = self._chosen(vehicle, detections, frame)
             if sight is None:
                 continue
@@ -84,17 +85,15 @@ class Tracker:
         self._duplicates.clear()
         return taken
 
-    def _by_vehicle(self, frame: FrameDetections) -> dict[VehicleSpec, list[Detection]]:
-        found: dict[str, list[Detection]] = {}
-        specs: dict[str, VehicleSpec] = {}
+    def _by_vehicle(self, frame: FrameDetections) -> list[tuple[VehicleSpec, list[Detection]]]:
+        found: dict[TagKey, list[Detection]] = {}
         for detection in frame.detections:
-            vehicle = self._known.vehicles.get((detection.family, detection.tag_id))
-            if vehicle is None or not _usable(detection):
+            key = detection.family, detection.tag_id
+            if key not in self._known.vehicles or not _usable(detection):
                 _logger.debug("ignored tag %d of %s", detection.tag_id, frame.camera)
                 continue
-            specs[vehicle.id] = vehicle
-            found.setdefault(vehicle.id, []).append(detection)
-        return {specs[name]: detections for name, detections in found.items()}
+            found.setdefault(key, []).append(detection)
+        return [(self._known.vehicles[key], detections) for key, detections in found.items()]
 
     def _chosen(self, vehicle: VehicleSpec, detections: list[Detection], frame: FrameDetections) -> Sight | None:
         """The sight to believe. Of several tags with one id the one on the track; without a track none of them."""
@@ -111,8 +110,11 @@ class Tracker:
         return min(followed, key=lambda item: item[0])[1] if followed else None
 
     def _report_elsewhere(self, vehicle: VehicleSpec, sight: Sight) -> None:
-        state = self._tracks[vehicle.id].at(sight.stamp_ns)
-        if state is not None and float(np.hypot(*(state.mean - np.pad(sight.pose, (0, 3)))[:2])) >= _APART_M:
+        """A refused sight of an instant at which the vehicle was seen elsewhere. (Seen later, it may have been carried.)"""
+        state = self._tracks[vehicle.id].newest
+        if state is None or abs(sight.stamp_ns - state.stamp_ns) > _SAME_INSTANT_S * 1e9:
+            return
+        if float(np.hypot(*(state.mean[:2] - sight.pose[:2]))) >= _APART_M:
             self._report(vehicle, sight.camera, sight.stamp_ns, state.mean, sight.pose)
 
     def _report(self, vehicle: VehicleSpec, camera: str, stamp_ns: int, a: Iterable[float], b: Iterable[float]) -> None:
