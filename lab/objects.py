@@ -1,6 +1,8 @@
 """People and pallets on the simulated floor: their sizes, and people who walk a path back and forth."""
 
+import itertools
 import math
+from typing import NamedTuple
 
 from shapely import affinity
 from shapely.geometry import Point, Polygon, box
@@ -18,19 +20,28 @@ _PERSON = Point(0.0, 0.0).buffer(PERSON_RADIUS_M, quad_segs=4)
 _PALLET = box(-PALLET_LENGTH_M / 2, -PALLET_WIDTH_M / 2, PALLET_LENGTH_M / 2, PALLET_WIDTH_M / 2)
 
 
+class _Leg(NamedTuple):
+    start: tuple[float, float]
+    end: tuple[float, float]
+    length_m: float
+
+
 class PlacedObject:
     """An object as put down, and how far along its path it has come."""
 
     def __init__(self, description: SimulatedObject) -> None:
         self.description = description
-        start = (description.x, description.y)
-        self._path = [start, *(point for point in description.path if description.kind == "person")]
-        self._lengths = [math.dist(a, b) for a, b in zip(self._path, self._path[1:], strict=False)]
-        self._total_m = sum(self._lengths)
+        points = [(description.x, description.y)]
+        if description.kind == "person":
+            points += description.path
+        self._legs = [_Leg(a, b, math.dist(a, b)) for a, b in itertools.pairwise(points) if a != b]
+        self._total_m = math.fsum(leg.length_m for leg in self._legs)
         self._travelled_m = 0.0
         self._speed_mps = 0.0
         self.pose = self._pose_at(0.0)
-        self.radius_m = PERSON_RADIUS_M if description.kind == "person" else math.hypot(PALLET_LENGTH_M, PALLET_WIDTH_M) / 2
+        self.radius_m = (
+            PERSON_RADIUS_M if description.kind == "person" else math.hypot(PALLET_LENGTH_M, PALLET_WIDTH_M) / 2
+        )
 
     @property
     def walks(self) -> bool:
@@ -66,16 +77,10 @@ class PlacedObject:
         rest = math.fmod(travelled_m, 2.0 * self._total_m)
         back = rest > self._total_m
         rest = 2.0 * self._total_m - rest if back else rest
-        for (ax, ay), (bx, by), length in zip(self._path, self._path[1:], self._lengths, strict=False):
-            if length > 0.0 and rest <= length + 1e-9:
-                break
-            rest -= length
-        else:  # rounding carried past the end
-            (ax, ay), (bx, by), length = self._last_leg()
-            rest = length
-        share, yaw = rest / length, math.atan2(by - ay, bx - ax)
+        leg = 0
+        while leg < len(self._legs) - 1 and rest > self._legs[leg].length_m:
+            rest -= self._legs[leg].length_m
+            leg += 1
+        (ax, ay), (bx, by), length_m = self._legs[leg]
+        share, yaw = min(1.0, rest / length_m), math.atan2(by - ay, bx - ax)
         return SE2(ax + share * (bx - ax), ay + share * (by - ay), yaw + math.pi if back else yaw)
-
-    def _last_leg(self) -> tuple[tuple[float, float], tuple[float, float], float]:
-        legs = zip(self._path, self._path[1:], self._lengths, strict=False)
-        return [leg for leg in legs if leg[2] > 0.0][-1]

@@ -101,7 +101,9 @@ class CameraRenderer:
         return [layer for _, _, layer in sorted(present, key=lambda entry: (-entry[0], entry[1]))]
 
     def _paint(self, item: VehicleSnapshot | ObjectSnapshot, shape: Shape) -> Layer | None:
-        speed, turning = (item.linear_mps, item.angular_radps) if isinstance(item, VehicleSnapshot) else (item.speed_mps, 0.0)
+        speed, turning = (
+            (item.linear_mps, item.angular_radps) if isinstance(item, VehicleSnapshot) else (item.speed_mps, 0.0)
+        )
         exposure_s = self._lab.simulation.image.exposure_s
         poses = self._painter.shutter_poses(shape, SE2(item.x, item.y, item.yaw), speed, turning, exposure_s)
         return self._painter.paint(shape, poses, float(light_at(self._lab, item.x)))

@@ -81,7 +81,9 @@ def _texture(seed: int, x: Float32, y: Float32) -> tuple[Float32, Float32]:
         smooth = np.asarray(cv2.GaussianBlur(tiled, (0, 0), texels_per_cycle), dtype=np.float32)[64:-64, 64:-64]
         smooth = np.ascontiguousarray(smooth / smooth.std())
         u, v = np.mod(x / texel_m, _GRAIN_TEXELS), np.mod(y / texel_m, _GRAIN_TEXELS)
-        sampled = cv2.remap(smooth, u.astype(np.float32), v.astype(np.float32), cv2.INTER_LINEAR, borderMode=cv2.BORDER_WRAP)
+        sampled = cv2.remap(
+            smooth, u.astype(np.float32), v.astype(np.float32), cv2.INTER_LINEAR, borderMode=cv2.BORDER_WRAP
+        )
         planes.append(np.asarray(sampled, dtype=np.float32))
     return planes[0], planes[1]
 
@@ -113,14 +115,16 @@ def _glue(image: Float32, optics: Optics, tag: Texture, pose: SE2, lab: Lab) -> 
     b, samples = optics.border, _TAG_SAMPLES
     # One pixel of the border stays free, for the interpolation of rays.
     low = np.maximum(np.floor(pixels.min(axis=0)) - 1, 1 - b).astype(int)
-    high = np.minimum(np.ceil(pixels.max(axis=0)) + 2, (optics.model.width + b - 1, optics.model.height + b - 1)).astype(int)
+    high = np.minimum(
+        np.ceil(pixels.max(axis=0)) + 2, (optics.model.width + b - 1, optics.model.height + b - 1)
+    ).astype(int)
     if (high <= low).any():
         return
     (x0, y0), (x1, y1) = low, high
     around = optics.window(x0 - 1, y0 - 1, x1 + 1, y1 + 1)
     size = ((x1 - x0 + 2) * samples, (y1 - y0 + 2) * samples)
-    rays = np.asarray(cv2.resize(around, size, interpolation=cv2.INTER_LINEAR))[samples:-samples, samples:-samples]
-    sampled = sample(tag, optics, rays, pose, 0.0)
+    rays = np.asarray(cv2.resize(around, size, interpolation=cv2.INTER_LINEAR), dtype=np.float32)
+    sampled = sample(tag, optics, rays[samples:-samples, samples:-samples], pose, 0.0)
     mean = cv2.resize(sampled.astype(np.float32), (x1 - x0, y1 - y0), interpolation=cv2.INTER_AREA)
     part = image[y0 + b : y1 + b, x0 + b : x1 + b]
     part *= 1.0 - mean[..., -1:] / 255.0
@@ -139,4 +143,5 @@ def sample(texture: Texture, optics: Optics, rays: Float32, pose: SE2, height_m:
         ]
     )
     at = cv2.transform(rays, matrix)
-    return np.asarray(cv2.remap(texture.pixels, at, None, cv2.INTER_LINEAR), dtype=np.uint8)
+    # Both coordinates come in one map, so the second one is empty.
+    return np.asarray(cv2.remap(texture.pixels, at, np.empty(0), cv2.INTER_LINEAR), dtype=np.uint8)

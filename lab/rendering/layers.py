@@ -27,7 +27,9 @@ _SHADOW_DEPTH = 110
 _SHADOW_STEP_PX = 4
 _SUN = np.array([0.45, -0.89])
 """Where the room's windows are: sides that look there are brighter."""
-_SHUTTER_STEP_PX = 0.7
+_SIDE_LIGHT, _SIDE_CONTRAST = 0.62, 0.22
+_SHUTTER_STEP_PX, _COARSE_SHUTTER_STEP_PX = 0.7, 1.5
+"""How far a thing moves between two samples of its way while the shutter is open; people's edges are soft already."""
 _SHUTTER_STEPS = 8
 
 Window = tuple[int, int, int, int]
@@ -109,13 +111,14 @@ class LayerPainter:
         """The poses on the way while the shutter is open, centred on `pose`; one when it hardly moves."""
         metres = (abs(linear_mps) + abs(angular_radps) * shape.radius_m) * exposure_s
         pixels = metres * self._optics.pixels_per_metre(shape.height_m)
-        count = min(_SHUTTER_STEPS, max(1, math.ceil(pixels / _SHUTTER_STEP_PX)))
+        step_px = _COARSE_SHUTTER_STEP_PX if shape.roof is None else _SHUTTER_STEP_PX
+        count = min(_SHUTTER_STEPS, max(1, math.ceil(pixels / step_px)))
         times = [((index + 0.5) / count - 0.5) * exposure_s for index in range(count)]
         return [pose @ SE2.exp(linear_mps * t, 0.0, angular_radps * t) for t in times]
 
     def _projected(self, shape: Shape, pose: SE2) -> Float64 | None:
-        """Pixels of all corners of all prisms, bottom and top in turn; None when one is not in front of the camera."""
-        corners = np.vstack([ring for prism in shape.prisms for ring in (prism.bottom, prism.top)])
+        """Pixels of all the shape's corners; None when one is not in front of the camera."""
+        corners = shape.corners.copy()
         corners[:, :2] = pose.apply(corners[:, :2])
         return self._optics.project(corners)
 
@@ -127,40 +130,58 @@ class LayerPainter:
         return (x0, y0, x1, y1) if x1 > x0 and y1 > y0 else None
 
     def _body(self, shape: Shape, pose: SE2, pixels: Float64, window: Window) -> UInt8:
+        """Colour times coverage, and coverage, of the prisms."""
         x0, y0, x1, y1 = window
         s = _BODY_SAMPLES
-        canvas = np.zeros(((y1 - y0) * s, (x1 - x0) * s, self._channels + 1), dtype=np.uint8)
+        canvas = np.zeros(((y1 - y0) * s, (x1 - x0) * s, self._channels), dtype=np.uint8)
         fine = np.rint((((pixels - (x0, y0)) + 0.5) * s - 0.5).clip(-1e6, 1e6) * 16.0).astype(np.int32)
-        camera = pose.inverse().apply(self._optics.position[:2])
-        sun = np.array([math.cos(pose.yaw), math.sin(pose.yaw)]) @ np.column_stack((_SUN, (_SUN[1], -_SUN[0])))
+        to_thing = pose.inverse()
+        camera = to_thing.apply(self._optics.position[:2])
+        sun = SE2(0.0, 0.0, to_thing.yaw).apply(_SUN)
         first = 0
         for prism in shape.prisms:
             count = len(prism.bottom)
             below, above = fine[first : first + count], fine[first + count : first + 2 * count]
             first += 2 * count
-            self._sides(canvas, prism, below, above, camera, sun)
-            cv2.fillPoly(canvas, [above], (*tone(prism.colour, self._channels), 255), shift=4)
-        small = cv2.resize(canvas, (x1 - x0, y1 - y0), interpolation=cv2.INTER_AREA)
+            if prism.smooth:
+                both = np.concatenate((below, above))
+                cv2.fillConvexPoly(canvas, cv2.convexHull(both), self._paint_value(prism, _SIDE_LIGHT), shift=4)
+            else:
+                self._sides(canvas, prism, below, above, camera, sun)
+            cv2.fillPoly(canvas, [above], self._paint_value(prism, 1.0), shift=4)
+        size = (x1 - x0, y1 - y0)
+        # Everything painted is at least 1 bright, so what is not black is covered.
+        covered = cv2.threshold(canvas[..., 0], 0, 255, cv2.THRESH_BINARY)[1]
+        planes = [cv2.resize(plane, size, interpolation=cv2.INTER_AREA) for plane in (canvas, covered)]
+        small = cv2.merge([*cv2.split(planes[0]), planes[1]])
         if self._blur_px > 0:
             small = cv2.GaussianBlur(small, (0, 0), self._blur_px)
         return np.asarray(small, dtype=np.uint8)
 
+    def _paint_value(self, prism: Prism, shade: float) -> tuple[int, ...]:
+        return tuple(min(255, max(1, round(part * shade))) for part in tone(prism.colour, self._channels))
+
     def _sides(
-        self, canvas: UInt8, prism: Prism, below: NDArray[np.int32], above: NDArray[np.int32], camera: Float64, sun: Float64
+        self,
+        canvas: UInt8,
+        prism: Prism,
+        below: NDArray[np.int32],
+        above: NDArray[np.int32],
+        camera: Float64,
+        sun: Float64,
     ) -> None:
         """The sides that look towards the camera, the farthest first."""
-        starts = np.arange(0, len(below), prism.pieces)
-        corners = prism.bottom[starts, :2]
-        along = np.roll(corners, -1, axis=0) - corners
-        normals = np.column_stack((along[:, 1], -along[:, 0])) / np.maximum(1e-9, np.hypot(*along.T))[:, None]
-        towards = camera - (corners + along / 2.0)
-        facing = (normals * towards).sum(axis=1) > 0.0
-        colour = np.array(tone(prism.colour, self._channels), dtype=np.float64)
-        for index in sorted(np.flatnonzero(facing), key=lambda i: -float(np.hypot(*towards[i]))):
-            span = np.arange(starts[index], starts[index] + prism.pieces + 1) % len(below)
-            shade = 0.62 + 0.22 * float(normals[index] @ sun)
-            value = (*(round(float(part)) for part in colour * shade), 255)
-            cv2.fillPoly(canvas, [np.vstack((below[span], above[span][::-1]))], value, shift=4)
+        towards = camera - prism.middles
+        facing = np.flatnonzero((prism.normals * towards).sum(axis=1) > 0.0)
+        distances = np.hypot(towards[:, 0], towards[:, 1])
+        for index in facing[np.argsort(-distances[facing])].tolist():
+            start = index * prism.pieces
+            stop = start + prism.pieces
+            low, high = below[start : stop + 1], above[start : stop + 1]
+            if stop == len(below):  # the last side ends at the first corner
+                low, high = np.concatenate((low, below[:1])), np.concatenate((high, above[:1]))
+            shade = _SIDE_LIGHT + _SIDE_CONTRAST * float(prism.normals[index] @ sun)
+            cv2.fillPoly(canvas, [np.concatenate((low, high[::-1]))], self._paint_value(prism, shade), shift=4)
 
     def _with_roof(self, shape: Shape, roof: Texture, pose: SE2, image: UInt8, window: Window) -> UInt8:
         filtered = self._filtered(shape, roof)
@@ -194,6 +215,8 @@ class LayerPainter:
         small = np.zeros((rows, columns), dtype=np.uint8)
         cv2.fillPoly(small, [np.rint((pixels - (x0, y0)) / step * 16.0).astype(np.int32)], _SHADOW_DEPTH, shift=4)
         soft = cv2.GaussianBlur(small, (0, 0), 2.0)
-        large = np.asarray(cv2.resize(soft, (columns * step, rows * step), interpolation=cv2.INTER_LINEAR), dtype=np.uint8)
+        large = np.asarray(
+            cv2.resize(soft, (columns * step, rows * step), interpolation=cv2.INTER_LINEAR), dtype=np.uint8
+        )
         part = 255 - large[window[1] - y0 : window[3] - y0, window[0] - x0 : window[2] - x0]
         return window, np.ascontiguousarray(np.repeat(part[..., None], self._channels, axis=2))

@@ -115,7 +115,12 @@ def slats_texture(length_m: float, width_m: float, channels: int) -> Texture:
     for index in range(boards):
         low = -width_m / 2 + index * pitch
         board = np.array(
-            [[-length_m / 2, low], [length_m / 2, low], [length_m / 2, low + 0.72 * pitch], [-length_m / 2, low + 0.72 * pitch]]
+            [
+                [-length_m / 2, low],
+                [length_m / 2, low],
+                [length_m / 2, low + 0.72 * pitch],
+                [-length_m / 2, low + 0.72 * pitch],
+            ]
         )
         _fill(image, board, (x0, y0, texel), _shaded((96, 144, 182), 0.9 + 0.05 * (index % 3), channels))
     return Texture(image, x0, y0, texel)

@@ -1,0 +1,99 @@
+"""The process of the simulated lab: steps the world along the clock, feeds the cameras' rings, answers the bases, keeps
+Redis told. Everything that blocks or computes for long runs in two worker threads (drawing releases the interpreter)."""
+
+import asyncio
+import logging
+import secrets
+from concurrent.futures import ThreadPoolExecutor
+
+from lab.base_link import BaseLink
+from lab.camera_feed import CameraFeed
+from lab.rendering import CameraRenderer
+from lab.shared_state import SharedState
+from lab.world import World
+from protocol.bus import Bus
+from protocol.clock import Clock
+from protocol.lab import Lab
+from protocol.settings import Settings, frames_folder
+
+_WORKERS = 2
+_MOST_BEHIND_NS = 1_000_000_000
+"""A world further behind than this (a suspended computer) leaves the time out instead of catching up."""
+_MOST_AHEAD_NS = 100_000_000
+"""A clock that was set back by more than this takes the world's time along."""
+_REPORT_PERIOD_S = 10.0
+_logger = logging.getLogger(__name__)
+
+
+class PortTakenError(Exception):
+    """The lab's UDP port cannot be had; the text says which and why."""
+
+
+class LabService:
+    """`run` works until cancelled. PortTakenError when the UDP port cannot be had."""
+
+    def __init__(self, lab: Lab, settings: Settings, clock: Clock) -> None:
+        self._lab = lab
+        self._settings = settings
+        self._clock = clock
+        self.world = World(lab, start_ns=clock.now_ns(), session=secrets.token_hex(4))
+        self.base_link = BaseLink(self.world, clock, settings.udp_key)
+        self.feeds: list[CameraFeed] = []
+
+    async def run(self) -> None:
+        host, port = self._settings.host, self._lab.ports.lab_udp
+        try:
+            transport, _ = await asyncio.get_running_loop().create_datagram_endpoint(
+                lambda: self.base_link, local_addr=(host, port)
+            )
+        except OSError as error:
+            raise PortTakenError(f"cannot listen on UDP {host}:{port}: {error}; is another lab running?") from error
+        executor = ThreadPoolExecutor(_WORKERS, thread_name_prefix="render")
+        bus = Bus.connect(self._settings.redis_url, self._clock)
+        state = SharedState(self.world, bus, self._clock)
+        try:
+            await state.restore_vehicles()
+            self.world.skip_to(self._clock.now_ns())
+            async with asyncio.TaskGroup() as group:
+                group.create_task(self._step_world())
+                group.create_task(self._open_cameras(executor))
+                group.create_task(state.publish_truth())
+                group.create_task(state.mirror_objects())
+                group.create_task(state.save_vehicles())
+                group.create_task(self._report())
+        finally:
+            transport.close()
+            executor.shutdown(wait=True, cancel_futures=True)
+            for feed in self.feeds:
+                feed.close()
+            await bus.close()
+
+    async def _step_world(self) -> None:
+        world, step_ns = self.world, round(self.world.step_s * 1e9)
+        while True:
+            now_ns = self._clock.now_ns()
+            behind_ns = now_ns - world.stamp_ns
+            if behind_ns > _MOST_BEHIND_NS or behind_ns < -_MOST_AHEAD_NS:
+                _logger.warning("the world's time was %.1f s off, set to the clock", -behind_ns / 1e9)
+                world.skip_to(now_ns)
+            while world.stamp_ns + step_ns <= now_ns:
+                world.step()
+                self.base_link.tick()
+                for feed in self.feeds:
+                    feed.tick(world)
+            await self._clock.sleep((world.stamp_ns + step_ns - self._clock.now_ns()) / 1e9)
+
+    async def _open_cameras(self, executor: ThreadPoolExecutor) -> None:
+        """Draws the empty floors in the workers while the world goes on already."""
+        folder = frames_folder(self._settings.state)
+        cameras = [camera for camera in self._lab.cameras if camera.source == "sim"]
+        loop = asyncio.get_running_loop()
+        for index, camera in enumerate(cameras):
+            renderer = await loop.run_in_executor(executor, CameraRenderer, self._lab, camera.id)
+            self.feeds.append(CameraFeed(renderer, folder, index / len(cameras), executor))
+            _logger.info("camera %s runs, %g frames per second into %s", camera.id, camera.rate_hz, folder)
+
+    async def _report(self) -> None:
+        while True:
+            await self._clock.sleep(_REPORT_PERIOD_S)
+            self.base_link.report()
