@@ -1,0 +1,60 @@
+"""How a camera does, counted over the last seconds: rate, latency, stage timings, what is wrong."""
+
+from collections import deque
+from dataclasses import dataclass
+from statistics import median
+
+from localization.pipeline import CameraPipeline
+from localization.sources import SourceState
+from protocol.messages import CameraState, FrameDetections
+
+_WINDOW_S = 3.0
+
+
+@dataclass(frozen=True, slots=True)
+class _Done:
+    at_s: float
+    latency_ms: float
+    timings_ms: dict[str, float]
+
+
+class CameraStatistics:
+    """Remembers what the frames of the last seconds took."""
+
+    def __init__(self, start_s: float) -> None:
+        self._done: deque[_Done] = deque()
+        self._start_s = start_s
+        self.frames = 0
+
+    def add(self, detections: FrameDetections, now_s: float) -> None:
+        """A frame was processed and sent at the (monotonic) time `now_s`."""
+        latency_ms = (detections.sent_ns - detections.stamp_ns) * 1e-6
+        self._done.append(_Done(now_s, latency_ms, detections.timings_ms))
+        self.frames += 1
+
+    def state(self, source: SourceState, pipeline: CameraPipeline, now_s: float, now_ns: int) -> CameraState:
+        """The message; its `error` is the source's, or else what is wrong with the calibration."""
+        while self._done and now_s - self._done[0].at_s > _WINDOW_S:
+            self._done.popleft()
+        span_s = min(_WINDOW_S, max(0.1, now_s - self._start_s))
+        stages = {stage for done in self._done for stage in done.timings_ms}
+        extrinsics = pipeline.extrinsics
+        return CameraState(
+            camera=pipeline.spec.id,
+            stamp_ns=now_ns,
+            connected=source.connected,
+            error=source.error or pipeline.problem,
+            width=pipeline.spec.width,
+            height=pipeline.spec.height,
+            rate_hz=len(self._done) / span_s,
+            latency_ms=median(done.latency_ms for done in self._done) if self._done else 0.0,
+            frames=self.frames,
+            broken=source.broken,
+            skipped=source.skipped,
+            floor_tags_seen=pipeline.floor_tags_seen,
+            reprojection_px=None if extrinsics is None else extrinsics.reprojection_px,
+            timings_ms={
+                stage: median(done.timings_ms[stage] for done in self._done if stage in done.timings_ms)
+                for stage in sorted(stages)
+            },
+        )
