@@ -168,6 +168,14 @@ class FloorGrid:
             observed[target] = self.observed[source]
         return other.with_cells(occupied, observed)
 
+    def window_in(self, other: "FloorGrid") -> tuple[slice, slice]:
+        """Rows and columns of the other grid that this one takes up. ValueError unless both share their cells and this grid lies
+        within the other."""
+        row, column = self._offset_in(other)
+        if row < 0 or column < 0 or row + self.rows > other.rows or column + self.columns > other.columns:
+            raise ValueError(f"a grid over {self.bounds} does not lie within {other.bounds}")
+        return slice(row, row + self.rows), slice(column, column + self.columns)
+
     def merged(self, other: "FloorGrid") -> "FloorGrid":
         """This grid's window with both contents: occupied where either says so, observed where either looks. ValueError as
         in `placed_in`."""
