@@ -1,0 +1,90 @@
+"""`./lilliput token`: API tokens for programs and robots of a system that runs.
+
+`token issue` prints the token alone to stdout, so that a script can keep it; it is shown nowhere else.
+"""
+
+import argparse
+from datetime import UTC, datetime
+
+import redis.asyncio
+
+from launcher.account_store import with_accounts
+from launcher.lab_file import add_lab_arguments
+from launcher.output import Result, print_result, progress
+from server.auth import Role, Token, issue_token, list_tokens, revoke_token
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    actions = parser.add_subparsers(metavar="ACTION", required=True)
+    issue = actions.add_parser("issue", help="make a token and print it")
+    issue.add_argument("name", help="what it is for, e.g. night-shift-script")
+    issue.add_argument("--role", choices=[str(role) for role in Role], default="operator", help="default: operator")
+    issue.add_argument("--robot", metavar="ID", help="the robot that a token of role robot speaks for")
+    issue.add_argument("--replace", action="store_true", help="make the present token of that name void")
+    issue.set_defaults(act=_issue)
+    listed = actions.add_parser("list", help="show all tokens, without their texts")
+    listed.set_defaults(act=_list)
+    revoke = actions.add_parser("revoke", help="make a token void")
+    revoke.add_argument("name", help="its name or id")
+    revoke.set_defaults(act=_revoke)
+    for action in (issue, listed, revoke):
+        add_lab_arguments(action)
+        action.add_argument("--json", action="store_true", help="print one JSON object to stdout")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    arguments.act(arguments)
+    return 0
+
+
+def _issue(arguments: argparse.Namespace) -> None:
+    async def work(client: redis.asyncio.Redis) -> str:
+        return await issue_token(client, arguments.name, arguments.role, arguments.robot, replace=arguments.replace)
+
+    token = with_accounts(arguments, work)
+    if arguments.json:
+        settings = {"name": arguments.name, "role": arguments.role, "robot": arguments.robot}
+        print_result(Result("token", {"token": token}, settings=settings), as_json=True)
+    else:
+        progress(f"token {arguments.name} of role {arguments.role}, shown only this once:")
+        print(token, flush=True)
+
+
+def _list(arguments: argparse.Namespace) -> None:
+    tokens = with_accounts(arguments, list_tokens)
+    if arguments.json:
+        figures = {
+            token.id: {
+                "name": token.name,
+                "role": str(token.role),
+                "robot": token.robot,
+                "created_ns": token.created_ns,
+                "last_used_ns": token.last_used_ns,
+            }
+            for token in tokens
+        }
+        print_result(Result("tokens", {"tokens": figures}), as_json=True)
+        return
+    for token in tokens:
+        print(_line(token))
+
+
+def _revoke(arguments: argparse.Namespace) -> None:
+    async def work(client: redis.asyncio.Redis) -> None:
+        await revoke_token(client, arguments.name)
+
+    with_accounts(arguments, work)
+    if arguments.json:
+        print_result(Result("token", {"revoked": arguments.name}), as_json=True)
+    else:
+        progress(f"token {arguments.name} is void")
+
+
+def _line(token: Token) -> str:
+    role = f"{token.role} {token.robot}" if token.robot else str(token.role)
+    used = f"last used {_day(token.last_used_ns)}" if token.last_used_ns else "never used"
+    return f"{token.id}  {token.name:<24} {role:<20} made {_day(token.created_ns)} by {token.created_by}, {used}"
+
+
+def _day(stamp_ns: int) -> str:
+    return datetime.fromtimestamp(stamp_ns / 1e9, UTC).astimezone().strftime("%Y-%m-%d %H:%M")

