@@ -1,0 +1,103 @@
+"""What the routes share for the life of the app: built by the lifespan, handed to each route as a dependency."""
+
+from dataclasses import dataclass
+from typing import Annotated, cast
+
+import httpx
+from fastapi import Depends
+from starlette.requests import HTTPConnection
+
+from protocol.bus import Bus
+from protocol.clock import Clock
+from protocol.lab import Lab, VehicleSpec
+from server.auth.passwords import Passwords
+from server.auth.throttle import LoginThrottle
+from server.configuration import Configuration
+from server.errors import NotFoundError
+from server.live.hub import LiveHub
+from server.repositories.assignments import AssignmentRepository
+from server.repositories.documents import Store
+from server.repositories.emergency_stop import EmergencyStopRepository
+from server.repositories.manual import ManualDriveRepository
+from server.repositories.plan import RouteRepository, WaypointRepository
+from server.repositories.robot_settings import RobotSettingsRepository
+from server.repositories.sessions import SessionRepository
+from server.repositories.simulated_objects import SimulatedObjectRepository
+from server.repositories.tokens import TokenRepository
+from server.repositories.users import UserRepository
+from server.status_listener import StatusListener
+
+
+@dataclass(slots=True)
+class Context:
+    """The service's parts."""
+
+    configuration: Configuration
+    lab: Lab
+    clock: Clock
+    bus: Bus
+    hub: LiveHub
+    listener: StatusListener
+    scene: httpx.AsyncClient
+    passwords: Passwords
+    throttle: LoginThrottle
+    users: UserRepository
+    tokens: TokenRepository
+    sessions: SessionRepository
+    waypoints: WaypointRepository
+    routes: RouteRepository
+    assignments: AssignmentRepository
+    settings: RobotSettingsRepository
+    emergency_stop: EmergencyStopRepository
+    manual: ManualDriveRepository
+    objects: SimulatedObjectRepository
+
+    @classmethod
+    def build(
+        cls,
+        configuration: Configuration,
+        lab: Lab,
+        clock: Clock,
+        bus: Bus,
+        hub: LiveHub,
+        listener: StatusListener,
+        scene: httpx.AsyncClient,
+        passwords: Passwords,
+    ) -> "Context":
+        """The context with its repositories on the bus's Redis."""
+        store = Store(bus.redis)
+        return cls(
+            configuration=configuration,
+            lab=lab,
+            clock=clock,
+            bus=bus,
+            hub=hub,
+            listener=listener,
+            scene=scene,
+            passwords=passwords,
+            throttle=LoginThrottle(clock),
+            users=UserRepository(store, clock),
+            tokens=TokenRepository(store, clock),
+            sessions=SessionRepository(store),
+            waypoints=WaypointRepository(store, lab, clock),
+            routes=RouteRepository(store, clock),
+            assignments=AssignmentRepository(store, clock),
+            settings=RobotSettingsRepository(store, clock),
+            emergency_stop=EmergencyStopRepository(store, clock),
+            manual=ManualDriveRepository(store, clock),
+            objects=SimulatedObjectRepository(store, clock),
+        )
+
+    def vehicle(self, robot: str) -> VehicleSpec:
+        """NotFoundError when the lab description has no such robot."""
+        for vehicle in self.lab.vehicles:
+            if vehicle.id == robot:
+                return vehicle
+        raise NotFoundError(f"there is no robot {robot!r} in lab {self.lab.name!r}")
+
+
+def _context(connection: HTTPConnection) -> Context:
+    return cast("Context", connection.app.state.context)
+
+
+Ctx = Annotated[Context, Depends(_context)]

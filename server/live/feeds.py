@@ -1,0 +1,68 @@
+"""Hands commands and the emergency stop to the robots' open streams; the newest wins, a slow robot misses old ones."""
+
+import asyncio
+from collections.abc import Generator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+
+from protocol.messages import Command, EmergencyStop
+
+
+@dataclass(slots=True, eq=False)
+class Feed:
+    """What one stream has not sent yet; `woken` is set when there is something, or when all is over."""
+
+    robot: str
+    emergency_stop: EmergencyStop | None
+    command: Command | None
+    woken: asyncio.Event = field(default_factory=asyncio.Event)
+
+
+class CommandFeeds:
+    """The open streams of all robots."""
+
+    def __init__(self) -> None:
+        self._feeds: set[Feed] = set()
+        self._commands: dict[str, Command] = {}
+        self.emergency_stop: EmergencyStop | None = None
+        self.closed = False
+
+    @contextmanager
+    def open(self, robot: str) -> Generator[Feed]:
+        """A stream's feed, which begins with what is current."""
+        feed = Feed(robot, self.emergency_stop, self._commands.get(robot))
+        feed.woken.set()
+        self._feeds.add(feed)
+        try:
+            yield feed
+        finally:
+            self._feeds.discard(feed)
+
+    def __len__(self) -> int:
+        return len(self._feeds)
+
+    def stop(self, stop: EmergencyStop) -> bool:
+        """Whether the latch changed. An older release is ignored: it may arrive behind what was read of Redis; whatever
+        engages is believed."""
+        known = self.emergency_stop
+        if known is not None and (stop == known or (not stop.engaged and stop.stamp_ns < known.stamp_ns)):
+            return False
+        self.emergency_stop = stop
+        for feed in self._feeds:
+            feed.emergency_stop = stop
+            feed.woken.set()
+        return True
+
+    def command(self, command: Command) -> None:
+        """The newest command of its robot."""
+        self._commands[command.robot] = command
+        for feed in self._feeds:
+            if feed.robot == command.robot:
+                feed.command = command
+                feed.woken.set()
+
+    def close(self) -> None:
+        """Ends every stream."""
+        self.closed = True
+        for feed in self._feeds:
+            feed.woken.set()

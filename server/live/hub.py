@@ -1,0 +1,326 @@
+"""The live hub: one subscription to the channels and documents for all browsers and robots of this server.
+
+It keeps the newest of everything, rebuilds the views at most 20 times a second while somebody looks, and tells versions
+apart, so that each client gets what it misses at its own pace. Nothing here waits for a client.
+"""
+
+import asyncio
+import logging
+from collections import deque
+from collections.abc import AsyncGenerator, Awaitable, Callable
+from contextlib import asynccontextmanager
+from typing import Any, cast
+
+from redis.exceptions import RedisError
+
+from protocol import keys
+from protocol.bus import UNAVAILABLE, Bus, Received
+from protocol.channels import (
+    CAMERA_STATES,
+    CHANNELS,
+    COMMANDS,
+    EMERGENCY_STOP,
+    EVENTS,
+    GUIDANCE,
+    LAB_INSTANCE,
+    MANUAL,
+    OBSTACLES,
+    POSES,
+    PROCESSES,
+    REGISTRATIONS,
+    STATUSES,
+    Channel,
+    Delivery,
+)
+from protocol.clock import Clock
+from protocol.codec import decode
+from protocol.errors import BusUnavailableError, DecodeError
+from protocol.lab import Lab
+from protocol.messages import (
+    CameraExtrinsics,
+    CameraState,
+    EmergencyStop,
+    Event,
+    FloorRaster,
+    ProcessState,
+    Route,
+    SimulatedObject,
+    Waypoint,
+)
+from server.health import HealthInputs, health_view
+from server.live.feeds import CommandFeeds
+from server.live.reading import read_extrinsics
+from server.live.sections import Item, Sections
+from server.repositories.changes import changes
+from server.repositories.documents import Documents, Store
+from server.repositories.emergency_stop import read_emergency_stop
+from server.repositories.plan import ASSIGNMENTS, ROUTES, WAYPOINTS
+from server.repositories.robot_settings import ROBOT_SETTINGS
+from server.repositories.simulated_objects import SIMULATED_OBJECTS
+from server.views.cameras import camera_view
+from server.views.health import HealthView, RedisView, UdpView
+from server.views.obstacles import obstacles_view
+from server.views.robots import FleetState, robot_view
+
+_SUBSCRIBED: tuple[Channel[Any], ...] = (
+    POSES,
+    STATUSES,
+    REGISTRATIONS,
+    COMMANDS,
+    GUIDANCE,
+    MANUAL,
+    EMERGENCY_STOP,
+    OBSTACLES,
+    CAMERA_STATES,
+)
+_POLLED = tuple(c for c in CHANNELS if c.delivery is Delivery.LATEST and c not in _SUBSCRIBED)
+_PERIOD_S = 0.05
+_REFRESH_S = 0.25
+"""Time alone changes a view: a pose grows stale, a lease runs out."""
+_POLL_S = 1.0
+_HEALTH_AGE_S = 0.5
+_logger = logging.getLogger(__name__)
+_AWAY = (*UNAVAILABLE, RedisError, BusUnavailableError)
+
+
+class LiveHub:
+    """`run` must be running for anything to be new."""
+
+    def __init__(self, bus: Bus, lab: Lab, clock: Clock, udp: Callable[[], UdpView]) -> None:
+        self.feeds = CommandFeeds()
+        self._bus, self._lab, self._clock, self._udp = bus, lab, clock, udp
+        self._store = Store(bus.redis)
+        self._started_ns = clock.now_ns()
+        self._latest: dict[str, dict[str, Any]] = {channel.name: {} for channel in CHANNELS}
+        self._fleet = FleetState()
+        self._raster: FloorRaster | None = None
+        self._waypoints: dict[str, Waypoint] = {}
+        self._routes: dict[str, Route] = {}
+        self._objects: dict[str, SimulatedObject] = {}
+        self._extrinsics: dict[str, CameraExtrinsics] = {}
+        self._away_since_ns: int | None = None
+        self._last_event: bytes | None = None
+        self._new_events: deque[Event] = deque(maxlen=200)
+        self._health: tuple[float, HealthView] | None = None
+        self._sections = Sections()
+        self._sections.replace("zones", {zone.id: Item(zone) for zone in lab.zones})
+        self._clients = 0
+        self._reading_events = asyncio.Lock()
+        self._dirty = asyncio.Event()
+        self._advanced = asyncio.Event()
+
+    async def run(self) -> None:
+        """Until cancelled."""
+        async with asyncio.TaskGroup() as group:
+            group.create_task(self._follow_channels())
+            group.create_task(self._follow_documents())
+            group.create_task(self._poll())
+            group.create_task(self._rebuild())
+
+    @asynccontextmanager
+    async def client(self) -> AsyncGenerator["LiveClient"]:
+        """A browser's view of the state, up to date from its beginning."""
+        self._clients += 1
+        try:
+            self._build()
+            yield LiveClient(self)
+        finally:
+            self._clients -= 1
+
+    @property
+    def clients(self) -> int:
+        """How many browsers look."""
+        return self._clients
+
+    async def health(self) -> HealthView:
+        """At most half a second old."""
+        now_s = self._clock.monotonic_s()
+        if self._health is None or now_s - self._health[0] > _HEALTH_AGE_S:
+            await self._read_polled()
+            self._health = (now_s, self._health_view())
+        return self._health[1]
+
+    async def newer_than(self, version: int) -> tuple[bytes, int]:
+        """Waits until there is something newer; the message for a client at `version`, and its new version."""
+        while self._sections.version <= version:
+            await self._advanced.wait()
+        return self._sections.message(version, self._clock.now_ns()), self._sections.version
+
+    async def _follow_channels(self) -> None:
+        async for received in self._bus.subscribe(*_SUBSCRIBED):
+            self._take(received)
+
+    def _take(self, received: Received[Any]) -> None:
+        if received.channel is EMERGENCY_STOP:
+            if self.feeds.stop(received.message):
+                self._fleet.emergency_stop = received.message
+        elif received.channel is COMMANDS:
+            self.feeds.command(received.message)
+        self._latest[received.channel.name][received.instance] = received.message
+        self._dirty.set()
+
+    async def _follow_documents(self) -> None:
+        readers: dict[str, Callable[[], Awaitable[None]]] = {
+            WAYPOINTS.key: self._read_waypoints,
+            ROUTES.key: self._read_routes,
+            SIMULATED_OBJECTS.key: self._read_objects,
+            ASSIGNMENTS.key: self._read_assignments,
+            ROBOT_SETTINGS.key: self._read_settings,
+            keys.stream(EVENTS.name): self._read_events,
+        }
+        async for key in changes(self._bus, self._clock):
+            try:
+                if key is None:
+                    for read in readers.values():
+                        await read()
+                elif key in readers:
+                    await readers[key]()
+            except _AWAY as error:
+                # The feed notices by itself, reconnects, and then all is read again.
+                _logger.warning("cannot read %s: %s", key or "the documents", error)
+            self._dirty.set()
+
+    async def _read_waypoints(self) -> None:
+        self._waypoints = await self._all(WAYPOINTS)
+
+    async def _read_routes(self) -> None:
+        self._routes = await self._all(ROUTES)
+
+    async def _read_objects(self) -> None:
+        self._objects = await self._all(SIMULATED_OBJECTS)
+
+    async def _read_assignments(self) -> None:
+        self._fleet.assignments = await self._all(ASSIGNMENTS)
+
+    async def _read_settings(self) -> None:
+        self._fleet.settings = await self._all(ROBOT_SETTINGS)
+
+    async def _all(self, documents: Documents[Any]) -> dict[str, Any]:
+        return await self._store.all(documents)
+
+    async def _read_events(self) -> None:
+        async with self._reading_events:
+            await self._read_new_events()
+
+    async def _read_new_events(self) -> None:
+        stream = keys.stream(EVENTS.name)
+        if self._last_event is None:
+            entries = cast("list[Any]", await self._bus.redis.xrevrange(stream, count=50))[::-1]
+        else:
+            after = "(" + self._last_event.decode()
+            entries = cast("list[Any]", await self._bus.redis.xrange(stream, min=after, count=200))
+        for entry_id, fields in entries:
+            self._last_event = entry_id
+            try:
+                self._new_events.append(decode(Event, fields[b"m"]))
+            except (DecodeError, KeyError):
+                _logger.warning("ignored a damaged event")
+        if entries:
+            self._dirty.set()
+
+    async def _poll(self) -> None:
+        while True:
+            await self._read_polled()
+            if self._clients:
+                self._health = (self._clock.monotonic_s(), self._health_view())
+                self._dirty.set()
+            await self._clock.sleep(_POLL_S)
+
+    async def _read_polled(self) -> None:
+        """What nobody announces, and whether Redis answers at all."""
+        try:
+            for channel in _POLLED:
+                self._latest[channel.name] = await self._bus.latest_all(channel)
+            self._extrinsics = await read_extrinsics(self._bus)
+            stop = await read_emergency_stop(self._store)
+            if self.feeds.stop(stop):
+                self._fleet.emergency_stop = stop
+                self._dirty.set()
+            await self._read_events()
+            self._away_since_ns = None
+        except _AWAY:
+            self._away_since_ns = self._away_since_ns or self._clock.now_ns()
+
+    async def _rebuild(self) -> None:
+        while True:
+            try:
+                async with asyncio.timeout(_REFRESH_S):
+                    await self._dirty.wait()
+            except TimeoutError:
+                pass
+            self._dirty.clear()
+            if self._clients:
+                self._build()
+            await self._clock.sleep(_PERIOD_S)
+
+    def _build(self) -> None:
+        """Brings the sections up to date and wakes the clients when anything changed."""
+        now_ns = self._clock.now_ns()
+        fleet, sections = self._fleet, self._sections
+        fleet.poses, fleet.statuses = self._latest[POSES.name], self._latest[STATUSES.name]
+        fleet.registrations, fleet.commands = self._latest[REGISTRATIONS.name], self._latest[COMMANDS.name]
+        fleet.guidance, fleet.manual = self._latest[GUIDANCE.name], self._latest[MANUAL.name]
+        robots = [robot_view(vehicle, fleet, now_ns) for vehicle in self._lab.vehicles]
+        sections.replace("robots", {view.id: Item(view, view.without_ages()) for view in robots})
+        states = cast("dict[str, CameraState]", self._latest[CAMERA_STATES.name])
+        cameras = [camera_view(c, states.get(c.id), self._extrinsics.get(c.id), now_ns) for c in self._lab.cameras]
+        sections.replace("cameras", {view.id: Item(view, view.without_ages()) for view in cameras})
+        sections.replace("waypoints", {name: Item(waypoint) for name, waypoint in self._waypoints.items()})
+        sections.replace("routes", {name: Item(route) for name, route in self._routes.items()})
+        sections.replace("objects", {name: Item(item) for name, item in self._objects.items()})
+        sections.replace_single("estop", Item(self.feeds.emergency_stop or EmergencyStop(engaged=False)))
+        raster = cast("FloorRaster | None", self._latest[OBSTACLES.name].get(LAB_INSTANCE))
+        if raster is not None and raster is not self._raster:
+            self._raster = raster
+            sections.replace_single("obstacles", _obstacles(raster))
+        health = self._health[1] if self._health else self._health_view()
+        sections.replace_single("health", Item(health))
+        while self._new_events:
+            sections.append(self._new_events.popleft())
+        if sections.commit():
+            woken, self._advanced = self._advanced, asyncio.Event()
+            woken.set()
+
+    def _health_view(self) -> HealthView:
+        stamps = {
+            name: {instance: cast("int", getattr(message, "stamp_ns", 0)) for instance, message in messages.items()}
+            for name, messages in self._latest.items()
+        }
+        return health_view(
+            self._lab,
+            HealthInputs(
+                started_ns=self._started_ns,
+                stamps=stamps,
+                camera_states=self._latest[CAMERA_STATES.name],
+                processes=cast("dict[str, ProcessState]", self._latest[PROCESSES.name]),
+                redis=RedisView(reachable=self._away_since_ns is None, since_ns=self._away_since_ns),
+                udp=self._udp(),
+            ),
+            self._clock.now_ns(),
+        )
+
+
+class LiveClient:
+    """One browser: knows which version it has."""
+
+    def __init__(self, hub: LiveHub) -> None:
+        self._hub = hub
+        self._version = -1
+
+    async def next(self) -> bytes:
+        """The next message: a snapshot first, then changes, as soon as there are any."""
+        message, self._version = await self._hub.newer_than(self._version)
+        return message
+
+
+def _obstacles(raster: FloorRaster) -> Item:
+    key = (
+        raster.origin_x,
+        raster.origin_y,
+        raster.cell_m,
+        raster.columns,
+        raster.rows,
+        raster.occupied,
+        raster.observed,
+    )
+    return Item(obstacles_view(raster), key)

@@ -1,0 +1,43 @@
+"""Reads everything that a view needs from Redis at once, for an answer to a single request."""
+
+from typing import cast
+
+from protocol import keys
+from protocol.bus import Bus
+from protocol.channels import COMMANDS, GUIDANCE, MANUAL, POSES, REGISTRATIONS, STATUSES
+from protocol.codec import decode
+from protocol.errors import DecodeError
+from protocol.messages import CameraExtrinsics
+from server.repositories.documents import Store
+from server.repositories.emergency_stop import read_emergency_stop
+from server.repositories.plan import ASSIGNMENTS
+from server.repositories.robot_settings import ROBOT_SETTINGS
+from server.views.robots import FleetState
+
+
+async def read_fleet(bus: Bus) -> FleetState:
+    """The newest of everything about robots. BusUnavailableError or redis' own while Redis is out of reach."""
+    store = Store(bus.redis)
+    return FleetState(
+        poses=await bus.latest_all(POSES),
+        statuses=await bus.latest_all(STATUSES),
+        registrations=await bus.latest_all(REGISTRATIONS),
+        commands=await bus.latest_all(COMMANDS),
+        guidance=await bus.latest_all(GUIDANCE),
+        manual=await bus.latest_all(MANUAL),
+        assignments=await store.all(ASSIGNMENTS),
+        settings=await store.all(ROBOT_SETTINGS),
+        emergency_stop=await read_emergency_stop(store),
+    )
+
+
+async def read_extrinsics(bus: Bus) -> dict[str, CameraExtrinsics]:
+    """Every camera's calibration; damaged ones are left out."""
+    raw = cast("dict[bytes, bytes]", await bus.redis.hgetall(keys.EXTRINSICS))  # pyright: ignore[reportGeneralTypeIssues]  # typed for both clients
+    found: dict[str, CameraExtrinsics] = {}
+    for name, data in raw.items():
+        try:
+            found[name.decode()] = decode(CameraExtrinsics, data)
+        except DecodeError:
+            continue
+    return found

@@ -1,0 +1,1 @@
+"""What is durable, behind functions that keep it consistent. Guidance and scene use them too."""

@@ -1,0 +1,134 @@
+"""Assignments: which route a robot drives and how far it has come; durable, written by two processes.
+
+The service starts, pauses, resumes and stops; guidance advances legs and ends. Neither may overwrite what it has not
+seen: every write compares `changed_ns` with what Redis holds, and `changed_ns` grows with every write.
+"""
+
+import secrets
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from protocol.clock import Clock
+from protocol.messages import Assignment, AssignmentState, Event, EventLevel
+from server.errors import ConflictError, NotFoundError
+from server.repositories.documents import Store, Transaction
+from server.repositories.emergency_stop import EMERGENCY_STOPS, read_emergency_stop
+from server.repositories.plan import ASSIGNMENTS, PLAN, ROUTES, WAYPOINTS, is_over
+
+
+@dataclass(frozen=True, slots=True)
+class _Step:
+    """A change that a person may ask for: from which states, to which, and its words."""
+
+    sources: tuple[AssignmentState, ...]
+    target: AssignmentState
+    kind: str
+    done: str
+
+
+_PAUSE = _Step((AssignmentState.RUNNING,), AssignmentState.PAUSED, "route_paused", "paused")
+_RESUME = _Step((AssignmentState.PAUSED,), AssignmentState.RUNNING, "route_resumed", "resumed")
+_STOP = _Step((AssignmentState.RUNNING, AssignmentState.PAUSED), AssignmentState.STOPPED, "route_stopped", "stopped")
+
+
+class AssignmentRepository:
+    """The newest assignment of each robot."""
+
+    def __init__(self, store: Store, clock: Clock) -> None:
+        self._store, self._clock = store, clock
+
+    async def all(self) -> dict[str, Assignment]:
+        """By robot, those that are over included."""
+        return await self._store.all(ASSIGNMENTS)
+
+    async def start(self, robot: str, route: str, speed_scale: float, actor: str) -> Assignment:
+        """Gives the robot a route. NotFoundError when there is no such route; ConflictError while the emergency stop is
+        engaged, another assignment is not over, or a waypoint of the route is missing."""
+
+        async def work(transaction: Transaction) -> Assignment:
+            if (await read_emergency_stop(transaction)).engaged:
+                raise ConflictError("the emergency stop is engaged; release it before starting a route")
+            current = await transaction.get(ASSIGNMENTS, robot)
+            if current is not None and not is_over(current):
+                raise ConflictError(f"{robot} has route {current.route!r} ({current.state}); stop it first")
+            found = await transaction.get(ROUTES, route)
+            if found is None:
+                raise NotFoundError(f"there is no route {route!r}")
+            waypoints = await transaction.all(WAYPOINTS)
+            missing = sorted({leg.waypoint for leg in found.legs} - waypoints.keys())
+            if missing:
+                raise ConflictError(f"route {route!r} needs waypoint {', '.join(missing)}, which does not exist")
+            now_ns = _after(current, self._clock.now_ns())
+            assignment = Assignment(
+                id=secrets.token_hex(8),
+                robot=robot,
+                route=route,
+                state=AssignmentState.RUNNING,
+                speed_scale=speed_scale,
+                started_ns=now_ns,
+                changed_ns=now_ns,
+                started_by=actor,
+            )
+            transaction.put(ASSIGNMENTS, robot, assignment)
+            transaction.record(self._event(actor, "route_started", f"{actor} started route {route} on {robot}"))
+            return assignment
+
+        return await self._store.transaction((*PLAN, EMERGENCY_STOPS), work)
+
+    async def pause(self, robot: str, actor: str) -> Assignment:
+        """NotFoundError when the robot never had a route, ConflictError unless one runs."""
+        return await self._step(robot, actor, _PAUSE)
+
+    async def resume(self, robot: str, actor: str) -> Assignment:
+        """NotFoundError when the robot never had a route, ConflictError unless one is paused."""
+        return await self._step(robot, actor, _RESUME)
+
+    async def stop(self, robot: str, actor: str) -> Assignment:
+        """NotFoundError when the robot never had a route, ConflictError when it is over already."""
+        return await self._step(robot, actor, _STOP)
+
+    async def advance(
+        self, seen: Assignment, change: Callable[[Assignment], Assignment], event: Event | None = None
+    ) -> Assignment | None:
+        """For guidance: writes `change(seen)` (and `event`) if the assignment is still exactly the one seen, with a new
+        `changed_ns`; None, with nothing written, when somebody changed it meanwhile."""
+
+        async def work(transaction: Transaction) -> Assignment | None:
+            current = await transaction.get(ASSIGNMENTS, seen.robot)
+            if current is None or (current.id, current.changed_ns) != (seen.id, seen.changed_ns):
+                return None
+            changed = change(current).model_copy(update={"changed_ns": _after(current, self._clock.now_ns())})
+            transaction.put(ASSIGNMENTS, seen.robot, changed)
+            if event is not None:
+                transaction.record(event)
+            return changed
+
+        return await self._store.transaction((ASSIGNMENTS,), work)
+
+    async def _step(self, robot: str, actor: str, step: _Step) -> Assignment:
+        async def work(transaction: Transaction) -> Assignment:
+            current = await transaction.get(ASSIGNMENTS, robot)
+            if current is None:
+                raise NotFoundError(f"{robot} has no route")
+            if current.state not in step.sources:
+                raise ConflictError(f"the route of {robot} is {current.state}, it cannot be {step.done}")
+            changed = current.model_copy(
+                update={
+                    "state": step.target,
+                    "changed_ns": _after(current, self._clock.now_ns()),
+                    "reason": f"{step.done} by {actor}",
+                }
+            )
+            transaction.put(ASSIGNMENTS, robot, changed)
+            transaction.record(self._event(actor, step.kind, f"{actor} {step.done} route {current.route} of {robot}"))
+            return changed
+
+        return await self._store.transaction((ASSIGNMENTS,), work)
+
+    def _event(self, actor: str, kind: str, text: str) -> Event:
+        return Event(stamp_ns=self._clock.now_ns(), level=EventLevel.INFO, source=actor, kind=kind, text=text)
+
+
+def _after(current: Assignment | None, now_ns: int) -> int:
+    """A stamp that differs from the current one's even when a clock stands still or was set back."""
+    return now_ns if current is None else max(now_ns, current.changed_ns + 1)

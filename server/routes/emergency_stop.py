@@ -1,0 +1,46 @@
+"""The fleet-wide emergency stop."""
+
+from typing import Annotated, Literal
+
+from fastapi import APIRouter
+from pydantic import Field
+
+from protocol.messages import EmergencyStop
+from server.access import Operator, OperatorOrRobot, Somebody
+from server.context import Ctx
+from server.routes.answers import refusals
+from server.views.base import Body
+
+router = APIRouter(prefix="/estop", tags=["emergency stop"])
+
+
+class Engage(Body):
+    """Why everything is to stop."""
+
+    reason: Annotated[str, Field(max_length=200, examples=["person on the floor"])] = ""
+
+
+class Release(Body):
+    """A person's word that it is safe to move again."""
+
+    confirm: Literal[True]
+
+
+@router.get("", summary="State of the emergency stop", responses=refusals())
+async def get_emergency_stop(_identity: Somebody, context: Ctx) -> EmergencyStop:
+    """Whether it is engaged, by whom and why. For robots too."""
+    return await context.emergency_stop.get()
+
+
+@router.post("", summary="Stop everything", responses=refusals())
+async def engage_emergency_stop(identity: OperatorOrRobot, engage: Engage, context: Ctx) -> EmergencyStop:
+    """Every robot halts at once and stays so until a person releases the stop; it survives every restart. When it is
+    engaged already, its first reason stays."""
+    return await context.emergency_stop.engage(engage.reason, identity.name)
+
+
+@router.delete("", summary="Release the emergency stop", responses=refusals())
+async def release_emergency_stop(identity: Operator, release: Release, context: Ctx) -> EmergencyStop:
+    """Routes that were running go on; needs `{"confirm": true}`."""
+    assert release.confirm
+    return await context.emergency_stop.release(identity.name)

@@ -1,0 +1,36 @@
+"""The lab description, the system's health and its history."""
+
+from typing import Annotated
+
+from fastapi import APIRouter, Query
+
+from protocol.channels import EVENTS
+from protocol.messages import Event
+from server.access import Viewer
+from server.context import Ctx
+from server.routes.answers import refusals
+from server.views.health import HealthView
+from server.views.lab import LabView, lab_view
+
+router = APIRouter(tags=["lab"])
+
+
+@router.get("/lab", summary="The lab description", responses=refusals())
+async def get_lab(_identity: Viewer, context: Ctx) -> LabView:
+    """What exists: areas, cameras, floor tags, vehicles, zones, ports; without the simulation's truth."""
+    return lab_view(context.lab)
+
+
+@router.get("/health", summary="Health of the system", tags=["health"])
+async def get_health(context: Ctx) -> HealthView:
+    """How old the newest message of every channel is, which processes run, and what is missing since when. Open to all;
+    answers 200 also when something is wrong, Redis included: see `state`."""
+    return await context.hub.health()
+
+
+@router.get("/events", summary="History", responses=refusals())
+async def list_events(
+    _identity: Viewer, context: Ctx, count: Annotated[int, Query(ge=1, le=1000)] = 100
+) -> list[Event]:
+    """The newest events, oldest first: who did what, and what went wrong."""
+    return [received.message for received in await context.bus.history(EVENTS, count)]

@@ -1,0 +1,103 @@
+"""Robots as an operator sees them, their settings, their routes, and the stick."""
+
+from typing import Annotated
+
+from fastapi import APIRouter
+from pydantic import Field
+
+from protocol.messages import Assignment, ManualDrive, RobotSettings
+from protocol.messages.base import Finite, Identifier
+from server.access import Operator, RobotId, Viewer
+from server.context import Ctx
+from server.errors import ConflictError
+from server.live.reading import read_fleet
+from server.routes.answers import refusals
+from server.views.base import Body
+from server.views.robots import RobotView, robot_view
+
+router = APIRouter(prefix="/robots", tags=["robots"])
+
+
+class Start(Body):
+    """Which route to drive; `speed_scale` multiplies the speed of every leg."""
+
+    route: Identifier = Field(examples=["charge"])
+    speed_scale: Annotated[float, Field(gt=0, le=2, allow_inf_nan=False)] = 1.0
+
+
+class Twist(Body):
+    """What the hand on the stick asks for: m/s forward, rad/s to the left."""
+
+    linear_mps: Finite = Field(examples=[0.2])
+    angular_radps: Finite = Field(examples=[-0.5])
+
+
+@router.get("", summary="All robots", responses=refusals())
+async def list_robots(_identity: Viewer, context: Ctx) -> list[RobotView]:
+    """Every robot of the lab description with all that is known of it."""
+    fleet = await read_fleet(context.bus)
+    now_ns = context.clock.now_ns()
+    return [robot_view(vehicle, fleet, now_ns) for vehicle in context.lab.vehicles]
+
+
+@router.get("/{robot_id}", summary="One robot", responses=refusals(404))
+async def get_robot(_identity: Viewer, robot_id: RobotId, context: Ctx) -> RobotView:
+    """All that is known of the robot."""
+    vehicle = context.vehicle(robot_id)
+    return robot_view(vehicle, await read_fleet(context.bus), context.clock.now_ns())
+
+
+@router.put("/{robot_id}/settings", summary="Set the obstacle box", responses=refusals(404))
+async def put_robot_settings(
+    identity: Operator, robot_id: RobotId, settings: RobotSettings, context: Ctx
+) -> RobotSettings:
+    """Replaces what an operator has set for this robot; what is absent falls back to the lab description."""
+    context.vehicle(robot_id)
+    return await context.settings.put(robot_id, settings, identity.name)
+
+
+@router.put("/{robot_id}/assignment", summary="Start a route", responses=refusals(404, 409))
+async def start_route(identity: Operator, robot_id: RobotId, start: Start, context: Ctx) -> Assignment:
+    """Gives the robot a route. Refused while the emergency stop is engaged, while it has another one that is not over,
+    and when a waypoint of the route is missing."""
+    context.vehicle(robot_id)
+    return await context.assignments.start(robot_id, start.route, start.speed_scale, identity.name)
+
+
+@router.post("/{robot_id}/assignment/pause", summary="Pause the route", responses=refusals(404, 409))
+async def pause_route(identity: Operator, robot_id: RobotId, context: Ctx) -> Assignment:
+    """The robot holds still until the route is resumed."""
+    context.vehicle(robot_id)
+    return await context.assignments.pause(robot_id, identity.name)
+
+
+@router.post("/{robot_id}/assignment/resume", summary="Resume the route", responses=refusals(404, 409))
+async def resume_route(identity: Operator, robot_id: RobotId, context: Ctx) -> Assignment:
+    """The robot drives on where it was paused."""
+    context.vehicle(robot_id)
+    return await context.assignments.resume(robot_id, identity.name)
+
+
+@router.delete("/{robot_id}/assignment", summary="Stop the route", responses=refusals(404, 409))
+async def stop_route(identity: Operator, robot_id: RobotId, context: Ctx) -> Assignment:
+    """Ends the route for good; the robot holds still."""
+    context.vehicle(robot_id)
+    return await context.assignments.stop(robot_id, identity.name)
+
+
+@router.put("/{robot_id}/manual", summary="Drive by hand", responses=refusals(404, 409))
+async def drive_by_hand(identity: Operator, robot_id: RobotId, twist: Twist, context: Ctx) -> ManualDrive:
+    """Takes or renews the stick for half a second with this twist, and answers with what is applied: it is clipped to
+    what the robot can do. Manual drive outranks the route. Refused while somebody else holds the stick and while the
+    emergency stop is engaged."""
+    vehicle = context.vehicle(robot_id)
+    if (await context.emergency_stop.get()).engaged:
+        raise ConflictError("the emergency stop is engaged; release it before driving by hand")
+    return await context.manual.drive(vehicle, twist.linear_mps, twist.angular_radps, identity.holder, identity.name)
+
+
+@router.delete("/{robot_id}/manual", summary="Let go of the stick", status_code=204, responses=refusals(404, 409))
+async def let_go(identity: Operator, robot_id: RobotId, context: Ctx) -> None:
+    """Hands the robot back to its route at once. Refused while somebody else holds the stick."""
+    context.vehicle(robot_id)
+    await context.manual.release(robot_id, identity.holder, identity.name)

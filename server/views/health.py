@@ -1,0 +1,80 @@
+"""What the system says of its health, and what is missing since when (spec console: an empty console must say why)."""
+
+from enum import StrEnum
+from typing import Literal
+
+from pydantic import Field
+
+from protocol.messages import ProcessState
+from server.views.base import View
+
+
+class Condition(StrEnum):
+    """ok; warn: late, but not yet too old to use; stale: too old; missing: never heard; idle: speaks only when something
+    happens."""
+
+    OK = "ok"
+    WARN = "warn"
+    STALE = "stale"
+    MISSING = "missing"
+    IDLE = "idle"
+
+
+class ChannelView(View):
+    """One instance of a channel."""
+
+    channel: str
+    instance: str
+    producer: str
+    condition: Condition
+    age_s: float | None = Field(description="Of its newest message; null when there never was one.")
+    stale_after_s: float
+    since_ns: int | None = Field(description="Stamp of the last message while the channel is stale.")
+
+
+class ProblemView(View):
+    """Something that an operator should know, in a sentence."""
+
+    severity: Literal["warning", "error"]
+    source: str = Field(description="The camera, robot or process that it is about.", examples=["cam2"])
+    since_ns: int | None = Field(description="Since when, if that is known.")
+    text: str = Field(examples=["no frames from cam2 since 12:03:10"])
+
+
+class UdpView(View):
+    """What became of the datagrams that robots sent, counted since the server started."""
+
+    listening: bool
+    received: int
+    accepted: int
+    undecodable: int = Field(
+        description="Short, garbled, of another version, forged, or unsigned although a key is set."
+    )
+    wrong_kind: int
+    unknown_robot: int
+    wrong_sender: int = Field(description="The envelope's sender is not the robot that the status is of.")
+    old: int
+    future: int
+    duplicate: int
+    out_of_order: int
+    last_problem: str | None
+
+
+class RedisView(View):
+    """Whether Redis answers."""
+
+    reachable: bool
+    since_ns: int | None = Field(description="Since when it does not.")
+
+
+class HealthView(View):
+    """The health of the whole: `error` when something is missing that robots need, `warning` when less."""
+
+    state: Literal["ok", "warning", "error"]
+    stamp_ns: int
+    started_ns: int = Field(description="When this server started.")
+    redis: RedisView
+    channels: tuple[ChannelView, ...]
+    processes: tuple[ProcessState, ...]
+    udp: UdpView
+    problems: tuple[ProblemView, ...]
