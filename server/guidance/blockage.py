@@ -79,8 +79,10 @@ def _robots(
 
 
 def _nearest(points: NDArray[np.float64], line: LineString, front_m: float, robot: str | None) -> Blockage:
-    along = np.asarray(shapely.line_locate_point(line, shapely.points(points)))
-    index = int(np.argmin(along))
+    where = shapely.points(points)
+    along = np.asarray(shapely.line_locate_point(line, where))
+    # Of what is about equally far ahead, what is nearest to the path is named.
+    index = int(np.argmin(along + 0.1 * np.asarray(shapely.distance(line, where))))
     return Blockage(
         x=round(float(points[index, 0]), 3),
         y=round(float(points[index, 1]), 3),

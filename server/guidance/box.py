@@ -112,7 +112,8 @@ def obstacle_box(
         ahead = body.front_m + stopping
         tip = (pose.x + ahead * math.cos(pose.yaw), pose.y + ahead * math.sin(pose.yaw))
         parts.append(LineString([(pose.x, pose.y), tip]).buffer(body.half_width_m, cap_style="flat"))
-    return Box(unary_union([part for part in parts if not part.is_empty]), line)
+    present = [part for part in parts if not part.is_empty]
+    return Box(unary_union(present) if present else Polygon(), line)
 
 
 def footprint_at(pose: SE2, spec: VehicleSpec) -> Polygon:

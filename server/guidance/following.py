@@ -2,9 +2,9 @@
 
 The temporary waypoint runs a look-ahead ahead of the robot along the leg. Near the leg's end it stays on the line through
 the robot and the waypoint, at most a little *beyond* the waypoint, until the robot has been within the waypoint's radius:
-the robot's controller stops `CONTROLLER_REACHED_M` before any target and stops steering before that, so a target on the
-waypoint itself would leave it outside of small radii. At a place to arrive at (the route's end, a waypoint with a heading)
-the target lies beyond by just so much that the controller's stopping point is well within the radius.
+the robot's controller stops steering within `CONTROLLER_LOCK_M` of a target, so that a target on the waypoint itself would
+let it miss small radii. Where the robot arrives (the route's end, a waypoint with a heading) it gets a final target that
+lies beyond the waypoint by the distance at which robots stop, so that it comes to rest close to the waypoint.
 """
 
 import itertools
@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from geometry import SE2, angle_difference
 from protocol.messages import Route, Target, Waypoint
 from server.guidance.box import PlannedPath
-from server.guidance.parameters import CONTROLLER_REACHED_M, GuidanceParameters
+from server.guidance.parameters import CONTROLLER_LOCK_M, CONTROLLER_REACHED_M, GuidanceParameters
 from server.guidance.path import (
     Point,
     bearing,
@@ -28,6 +28,9 @@ from server.guidance.path import (
 
 _SLOWEST_SHARE = 0.3
 _MOST_POINTS = 64
+_SHORT_M = 0.05
+_BEYOND_FINAL_M = 0.08
+"""Robots come to rest 0.10 to 0.15 m before their target."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,61 +87,75 @@ class Goal:
     turn_to: float | None = None
 
 
+@dataclass(frozen=True, slots=True)
+class Sight:
+    """A robot as it is seen: its pose, whether it says that it neither drives nor turns, and when (monotonic seconds)."""
+
+    pose: SE2
+    at_rest: bool
+    now_s: float
+
+
 class RouteFollower:
-    """One robot on one assignment. Remembers what an assignment does not say: where the first leg began, and whether the
-    robot is turning at a waypoint that it has reached."""
+    """One robot on one assignment. Remembers what an assignment does not say: where the leg began, whether the robot is
+    turning at a waypoint that it has reached, and the final target that it was given."""
 
     def __init__(self, parameters: GuidanceParameters) -> None:
         self._parameters = parameters
         self._anchor: Point | None = None
-        self._turning: int | None = None
         self._previous: Point | None = None
+        self._turning = False
+        self._there_since_s: float | None = None
+        self._final: Point | None = None
+        self._at_rest_since_s: float | None = None
 
     def interrupt(self) -> None:
         """The robot is not following now: what it passes meanwhile does not count."""
         self._previous = None
+        self._there_since_s = self._at_rest_since_s = None
 
-    def advance(self, plan: RoutePlan, progress: Progress, measured: SE2) -> Progress:
+    def advance(self, plan: RoutePlan, progress: Progress, seen: Sight) -> Progress:
         """The progress after the newest measured pose: at most one leg further. Between two poses the robot is taken to
-        have driven straight, so that a waypoint passed between them counts."""
-        stop = plan.stops[progress.leg]
-        here = (measured.x, measured.y)
+        have driven straight, so that a waypoint passed between them counts; where it is to arrive it must come to rest."""
+        here = (seen.pose.x, seen.pose.y)
         previous, self._previous = self._previous or here, here
         if self._anchor is None:
             began = progress.leg == 0 and progress.laps == 0
             self._anchor = here if began else plan.stops[progress.leg - 1].point
-        if self._turning == progress.leg:
-            yaw = stop.waypoint.yaw
-            if yaw is not None and abs(angle_difference(yaw, measured.yaw)) > self._parameters.yaw_tolerance_rad:
+        yaw = plan.stops[progress.leg].waypoint.yaw
+        if not self._turning:
+            if not self._reached(plan, progress.leg, previous, here, seen):
                 return progress
-            self._turning = None
-        else:
-            self._turning = None
-            if closest_approach(previous, here, stop.point) > self._within_m(plan, progress.leg):
+            if yaw is not None:
+                self._turning, self._there_since_s = True, None
+        if self._turning and yaw is not None:
+            turned = abs(angle_difference(yaw, seen.pose.yaw)) <= self._parameters.yaw_tolerance_rad
+            if not self._settled(turned, seen):
                 return progress
-            if stop.waypoint.yaw is not None:
-                self._turning = progress.leg
-                return progress
-        self._anchor = stop.point
+        self._anchor = plan.stops[progress.leg].point
+        self._turning, self._final = False, None
+        self._there_since_s = self._at_rest_since_s = None
         if progress.leg + 1 < len(plan.stops):
             return Progress(progress.leg + 1, progress.laps)
         return Progress(0, progress.laps + 1) if plan.loop else Progress(progress.leg, progress.laps, done=True)
 
-    def goal(self, plan: RoutePlan, leg: int, pose: SE2, speed_mps: float) -> Goal:
-        """What to ask of a robot at `pose` on `leg`, at no more than `speed_mps`."""
-        stop = plan.stops[leg]
-        here = (pose.x, pose.y)
-        yaw = stop.waypoint.yaw
-        if self._turning == leg and yaw is not None:
-            return Goal(Target(x=stop.point[0], y=stop.point[1], yaw=yaw), 0.0, True, yaw)
-        carrot = self._carrot_on_leg(plan, leg, here)
+    def goal(self, plan: RoutePlan, leg: int, seen: Sight, speed_mps: float) -> Goal:
+        """What to ask of a robot on `leg`, at no more than `speed_mps`; `seen.pose` is where it is now."""
+        point, yaw = plan.stops[leg].point, plan.stops[leg].waypoint.yaw
+        here = (seen.pose.x, seen.pose.y)
+        if self._turning and yaw is not None:
+            return Goal(Target(x=point[0], y=point[1], yaw=yaw), 0.0, True, yaw)
+        carrot, final = self._carrot_on_leg(plan, leg, here), False
         if carrot is not None:
-            return Goal(Target(x=carrot[0], y=carrot[1]), _regulated(speed_mps, pose, carrot), False)
-        final = plan.arrives_at(leg)
-        target = self._beyond(plan, leg, here)
-        return Goal(
-            Target(x=target[0], y=target[1], yaw=yaw if final else None), _regulated(speed_mps, pose, target), final
-        )
+            self._final = None
+        elif plan.arrives_at(leg):
+            carrot, final = self._final_target(plan, leg, here, seen), True
+        else:
+            left = distance(here, point)
+            beyond = min(self._parameters.pass_beyond_m, max(0.0, self._parameters.look_ahead_m - left))
+            carrot = point_along(here, point, left + beyond)
+        speed = min(self._corner_speed(plan, leg, here, speed_mps), _aimed_speed(speed_mps, seen.pose, carrot))
+        return Goal(Target(x=carrot[0], y=carrot[1]), speed, final)
 
     def planned_path(self, plan: RoutePlan, leg: int, pose: SE2) -> PlannedPath:
         """From the robot over the temporary waypoint and the waypoints ahead: to the route's end, or one lap."""
@@ -150,8 +167,23 @@ class RouteFollower:
         points = near + [plan.stops[index % len(plan.stops)].point for index in ahead]
         return PlannedPath(without_repeats(points)[:_MOST_POINTS], to_waypoint)
 
+    def _reached(self, plan: RoutePlan, leg: int, previous: Point, here: Point, seen: Sight) -> bool:
+        """Whether the robot has been within the leg's waypoint, or rests within it where it arrives."""
+        point, within = plan.stops[leg].point, self._within_m(plan, leg)
+        if plan.arrives_at(leg):
+            return self._settled(distance(here, point) <= within, seen)
+        return closest_approach(previous, here, point) <= within
+
+    def _settled(self, there: bool, seen: Sight) -> bool:
+        """Whether the robot is there and at rest; one that never quite rests is given `settle_s`."""
+        if not there:
+            self._there_since_s = None
+            return False
+        since, self._there_since_s = self._there_since_s, self._there_since_s or seen.now_s
+        return seen.at_rest or (since is not None and seen.now_s - since >= self._parameters.settle_s)
+
     def _within_m(self, plan: RoutePlan, leg: int) -> float:
-        """How near the waypoint counts: its radius less a margin; where the robot arrives, as near as it gets."""
+        """How near the waypoint counts: its radius less a margin; where the robot arrives, what the controller promises."""
         within = self._parameters.reached_within_m(plan.stops[leg].waypoint.radius_m)
         if plan.arrives_at(leg):
             return min(within, self._parameters.reached_within_m(CONTROLLER_REACHED_M))
@@ -163,19 +195,37 @@ class RouteFollower:
         ahead = progress_along(here, start, end) + self._parameters.look_ahead_m
         return point_along(start, end, ahead) if ahead < distance(start, end) else None
 
-    def _beyond(self, plan: RoutePlan, leg: int, here: Point) -> Point:
-        """The target near a leg's end, on the line from the robot through the waypoint; see the module."""
-        point = plan.stops[leg].point
-        left = distance(here, point)
-        if plan.arrives_at(leg):
-            beyond = max(0.0, CONTROLLER_REACHED_M - self._within_m(plan, leg) / 2)
-        else:
-            beyond = min(self._parameters.pass_beyond_m, max(0.0, self._parameters.look_ahead_m - left))
-        return point_along(here, point, left + beyond)
+    def _final_target(self, plan: RoutePlan, leg: int, here: Point, seen: Sight) -> Point:
+        """A place a little beyond the waypoint. The same at every call, for a robot takes another target for another task;
+        only a robot that came to rest near by, but out of the radius, gets a new one."""
+        if not seen.at_rest or distance(here, plan.stops[leg].point) > CONTROLLER_LOCK_M:
+            self._at_rest_since_s = None
+        elif self._at_rest_since_s is None:
+            self._at_rest_since_s = seen.now_s
+        rests = self._at_rest_since_s is not None and seen.now_s - self._at_rest_since_s >= self._parameters.settle_s
+        if self._final is None or rests:
+            point = plan.stops[leg].point
+            self._final = point_along(here, point, distance(here, point) + _BEYOND_FINAL_M)
+            self._at_rest_since_s = None
+        return self._final
+
+    def _corner_speed(self, plan: RoutePlan, leg: int, here: Point, speed_mps: float) -> float:
+        """Slower before a corner: the speed from which braking gently still leaves v max(0.3, cos^2 of the turn) there."""
+        if plan.arrives_at(leg) or self._anchor is None:
+            return speed_mps  # the controller slows down by itself
+        point, after = plan.stops[leg].point, plan.stops[(leg + 1) % len(plan.stops)].point
+        if distance(self._anchor, point) < _SHORT_M or distance(point, after) < _SHORT_M:
+            return speed_mps
+        slow = speed_mps * _share(angle_difference(bearing(point, after), bearing(self._anchor, point)))
+        left = max(0.0, distance(here, point) - self._within_m(plan, leg))
+        return min(speed_mps, math.sqrt(slow**2 + 2 * self._parameters.corner_mps2 * left))
 
 
-def _regulated(speed_mps: float, pose: SE2, target: Point) -> float:
-    """Slower while the robot does not head for its target, so that it leaves its path less: v max(0.3, cos^2 error)."""
-    error = angle_difference(bearing((pose.x, pose.y), target), pose.yaw)
-    share = math.cos(error) ** 2 if abs(error) < math.pi / 2 else 0.0
-    return speed_mps * max(_SLOWEST_SHARE, share)
+def _aimed_speed(speed_mps: float, pose: SE2, target: Point) -> float:
+    """Slower while the robot does not head for its target, so that it leaves its path less."""
+    return speed_mps * _share(angle_difference(bearing((pose.x, pose.y), target), pose.yaw))
+
+
+def _share(angle_rad: float) -> float:
+    """The share of the speed that is left at an angle: max(0.3, cos^2), so 0.3 from 57 degrees on."""
+    return max(_SLOWEST_SHARE, math.cos(angle_rad) ** 2 if abs(angle_rad) < math.pi / 2 else 0.0)

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 CONTROLLER_REACHED_M = 0.15
-"""The robot's controller counts a target as reached within this distance and stops there (spec gpss, the report's table)."""
+"""The robot's controller counts a target as reached within this distance (spec gpss, the report's table)."""
 CONTROLLER_LOCK_M = 0.35
 """Within this distance of its target the robot's controller no longer steers."""
 
@@ -12,12 +12,13 @@ CONTROLLER_LOCK_M = 0.35
 class GuidanceParameters:
     """Lengths in metres, times in seconds.
 
-    - `look_ahead_m`: how far ahead of the robot the temporary waypoint runs. More than the controller's lock radius; as
-      the controller's speed is the commanded one times the distance in metres, it also scales the speed.
+    - `look_ahead_m`: how far ahead of the robot the temporary waypoint runs: more than the controller's lock radius.
     - `pass_beyond_m`: how far past a waypoint the temporary waypoint may run until the robot has been within its radius,
       so that the controller neither stops nor stops steering before it.
     - `pose_margin_m`: what is taken off a waypoint's radius for the error of the pose.
     - `yaw_tolerance_rad`: how well a waypoint's heading is to be met.
+    - `settle_s`: how long a robot may take to come to rest where it arrived; and, at rest elsewhere, to be sent there again.
+    - `corner_mps2`: how gently a robot is slowed down before a corner.
     - `clearance_m`: what must remain between the robot's front and an obstacle after it has stopped.
     - `reaction_s`: from an obstacle's appearance to the beginning of braking: camera 0.07, raster 0.15, guidance 0.1,
       network 0.05, motors 0.03, and a reserve.
@@ -31,7 +32,9 @@ class GuidanceParameters:
     look_ahead_m: float = 0.8
     pass_beyond_m: float = 0.35
     pose_margin_m: float = 0.03
-    yaw_tolerance_rad: float = 0.1
+    yaw_tolerance_rad: float = 0.05
+    settle_s: float = 2.5
+    corner_mps2: float = 0.3
     clearance_m: float = 0.3
     reaction_s: float = 0.5
     clear_for_s: float = 0.3

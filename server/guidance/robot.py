@@ -14,7 +14,7 @@ from server.guidance import decision as decide
 from server.guidance.blockage import nearest_blockage, observed_share
 from server.guidance.box import Body, Box, PlannedPath, box_size, footprint_at, obstacle_box, outline
 from server.guidance.decision import Decision, Ground
-from server.guidance.following import Progress, RouteFollower, RoutePlan, resolve
+from server.guidance.following import Progress, RouteFollower, RoutePlan, Sight, resolve
 from server.guidance.parameters import GuidanceParameters
 from server.guidance.path import Point
 from server.guidance.snapshot import Snapshot, extrapolated
@@ -112,9 +112,8 @@ class RobotGuidance:
     def _follow(
         self, snapshot: Snapshot, around: Surroundings, assignment: Assignment, plan: RoutePlan, pose: TrackedPose
     ) -> View:
-        progress = self._follower.advance(
-            plan, Progress(assignment.leg, assignment.laps), SE2(pose.x, pose.y, pose.yaw)
-        )
+        measured = Sight(SE2(pose.x, pose.y, pose.yaw), snapshot.at_rest(self._spec.id), snapshot.now_s)
+        progress = self._follower.advance(plan, Progress(assignment.leg, assignment.laps), measured)
         if (progress.leg, progress.laps) != (assignment.leg, assignment.laps):
             assignment = _changed(assignment, snapshot, leg=progress.leg, laps=progress.laps)
         if progress.done:
@@ -123,7 +122,7 @@ class RobotGuidance:
         here = extrapolated(pose, snapshot.age_s(pose.stamp_ns))
         stop = plan.stops[progress.leg]
         speed = min(stop.speed_mps * assignment.speed_scale, self._spec.limits.speed_mps)
-        goal = self._follower.goal(plan, progress.leg, here, speed)
+        goal = self._follower.goal(plan, progress.leg, replace(measured, pose=here), speed)
         path = self._follower.planned_path(plan, progress.leg, here)
         route = Reason(code=ReasonCode.ROUTE, text=f"to {stop.waypoint.id}")
         # Turning on the spot covers no new floor: the box counts again when the robot leaves.
@@ -179,7 +178,8 @@ class RobotGuidance:
 
 
 def _changed(assignment: Assignment, snapshot: Snapshot, **changes: object) -> Assignment:
-    return assignment.model_copy(update={**changes, "changed_ns": snapshot.now_ns})
+    # `changed_ns` grows with every write, whatever the clock does: the service compares it.
+    return assignment.model_copy(update={**changes, "changed_ns": max(snapshot.now_ns, assignment.changed_ns + 1)})
 
 
 def _rounded(path: PlannedPath) -> tuple[Point, ...]:

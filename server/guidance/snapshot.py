@@ -23,6 +23,7 @@ from protocol.messages import (
 
 LONGEST_MANUAL_LEASE_S = 2.0
 """A lease that runs longer comes from a clock that is wrong and would let a robot drive on for as long."""
+_REST_MPS, _REST_RADPS = 0.01, 0.03
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,6 +55,11 @@ class Snapshot:
         """Whether the robot itself was heard lately."""
         status = self.statuses.get(robot)
         return status is not None and self.age_s(status.stamp_ns) <= STATUSES.stale_after_s
+
+    def at_rest(self, robot: str) -> bool:
+        """Whether the robot says that it neither drives nor turns."""
+        status = self.statuses.get(robot)
+        return status is not None and abs(status.linear_mps) < _REST_MPS and abs(status.angular_radps) < _REST_RADPS
 
     def hand(self, robot: str) -> ManualDrive | None:
         """The hand on the robot's stick while its lease counts."""

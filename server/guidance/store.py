@@ -131,11 +131,8 @@ class GuidanceStore:
     async def highest_epoch(self, snapshot: Snapshot) -> int:
         """The highest epoch that was commanded or that a robot says it obeyed."""
         commands = cast("dict[bytes, bytes]", await self._redis.hgetall(keys.live(COMMANDS.name)))  # pyright: ignore[reportGeneralTypeIssues]  # typed for both clients
-        return max(
-            0,
-            *(command.epoch for command in self._live(COMMANDS, commands).values()),
-            *obeyed_epochs(snapshot),
-        )
+        said = [command.epoch for command in self._live(COMMANDS, commands).values()]
+        return max([0, *said, *obeyed_epochs(snapshot)])
 
     async def say(self, outcome: Outcome, epoch: int) -> bool:
         """Publishes, all or nothing, and renews the lease; False when the lease is no longer that epoch's."""

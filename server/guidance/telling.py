@@ -38,13 +38,10 @@ def reason_event(robot: str, decision: Decision, now_ns: int) -> Event:
     elif code is ReasonCode.WAYPOINT_MISSING:
         kind, level = "route_failed", EventLevel.ERROR
     why = code.value.replace("_", " ")
-    return Event(
-        stamp_ns=now_ns,
-        level=level,
-        source=robot,
-        kind=kind,
-        text=f"{robot} {_VERBS[decision.movement]}: {why}{', ' + text if text else ''}",
-    )
+    sentence = f"{robot} {_VERBS[decision.movement]}: {why}{', ' + text if text else ''}"
+    if code in (ReasonCode.ROUTE_DONE, ReasonCode.WAYPOINT_MISSING, ReasonCode.ROUTE) and text:
+        sentence = f"{robot}: {text}" if code is not ReasonCode.ROUTE else f"{robot} {_VERBS[decision.movement]} {text}"
+    return Event(stamp_ns=now_ns, level=level, source=robot, kind=kind, text=sentence)
 
 
 class DeadlockWatch:

@@ -1,0 +1,321 @@
+"""Guidance over a real Redis: one is active, a stand-by takes over, what is durable survives, nothing is written without the
+lease."""
+
+import asyncio
+import itertools
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import AsyncGenerator, AsyncIterator, Awaitable, Callable, Iterator
+from contextlib import asynccontextmanager, suppress
+from pathlib import Path
+
+import pytest
+
+from protocol import keys
+from protocol.bus import Bus
+from protocol.channels import COMMANDS, EMERGENCY_STOP, EVENTS, GUIDANCE, LAB_INSTANCE, OBSTACLES, POSES, STATUSES
+from protocol.clock import SystemClock
+from protocol.codec import decode, encode
+from protocol.messages import Assignment, AssignmentState, Command, EmergencyStop, Movement, ReasonCode
+from server.guidance.fleet import Guidance
+from server.guidance.parameters import GuidanceParameters
+from server.guidance.service import GuidanceService
+from server.guidance.store import GuidanceStore
+from tests.redis_fixture import RedisServer
+from tests.server.guidance_scenario import LAB, ROBOT, Course, assignment, raster, status, tracked
+
+COURSE = Course([(1.05, 1.0), (4.0, 1.0)])
+ROOT = Path(__file__).parents[2]
+
+
+async def until(condition: Callable[[], Awaitable[bool]], limit_s: float = 5.0) -> float:
+    """Seconds until the condition held; fails after the limit."""
+    began = time.monotonic()
+    while not await condition():
+        assert time.monotonic() - began < limit_s, "it did not come true"
+        await asyncio.sleep(0.01)
+    return time.monotonic() - began
+
+
+async def plan(bus: Bus, leg: int = 0) -> None:
+    for name, waypoint in COURSE.waypoints().items():
+        await bus.redis.hset(keys.WAYPOINTS, name, encode(waypoint))  # pyright: ignore[reportGeneralTypeIssues]
+    await bus.redis.hset(keys.ROUTES, "r", encode(COURSE.routes()["r"]))  # pyright: ignore[reportGeneralTypeIssues]
+    await bus.redis.hset(keys.ASSIGNMENTS, ROBOT, encode(assignment(leg=leg)))  # pyright: ignore[reportGeneralTypeIssues]
+
+
+async def assigned(bus: Bus) -> Assignment:
+    raw = await bus.redis.hget(keys.ASSIGNMENTS, ROBOT)  # pyright: ignore[reportGeneralTypeIssues]
+    assert isinstance(raw, bytes)
+    return decode(Assignment, raw)
+
+
+async def keep_seen(bus: Bus) -> None:
+    """A robot that stands at (1, 1), seen and heard, on an empty floor."""
+    while True:
+        now_ns = time.time_ns()
+        await bus.publish(POSES, ROBOT, tracked(ROBOT, 1.0, 1.0, stamp_ns=now_ns))
+        await bus.publish(STATUSES, ROBOT, status(ROBOT, now_ns))
+        await bus.publish(OBSTACLES, LAB_INSTANCE, raster(stamp_ns=now_ns))
+        await asyncio.sleep(0.05)
+
+
+@asynccontextmanager
+async def running(work: Callable[[], Awaitable[None]]) -> AsyncGenerator["asyncio.Task[None]"]:
+    task = asyncio.ensure_future(work())
+    try:
+        yield task
+    finally:
+        task.cancel()
+        with suppress(asyncio.CancelledError):
+            await task
+
+
+@pytest.fixture
+async def bus(redis_url: str) -> AsyncIterator[Bus]:
+    bus = Bus.connect(redis_url)
+    yield bus
+    await bus.close()
+
+
+def service(bus: Bus) -> GuidanceService:
+    return GuidanceService(LAB, bus.redis, SystemClock(), GuidanceParameters())
+
+
+async def command(bus: Bus) -> Command | None:
+    return await bus.latest(COMMANDS, ROBOT)
+
+
+async def test_it_commands_every_vehicle_and_advances_the_assignment(bus: Bus) -> None:
+    await plan(bus)
+    received: list[Command] = []
+
+    async def listen() -> None:
+        async for item in bus.subscribe(COMMANDS, instance=ROBOT):
+            received.append(item.message)  # noqa: PERF401  # it never ends
+
+    async with running(lambda: keep_seen(bus)), running(listen), running(service(bus).run):
+
+        async def on_second_leg() -> bool:
+            return (await assigned(bus)).leg == 1 and len(received) > 12
+
+        await until(on_second_leg)
+    orders = [said.order for said in received]
+    assert orders == sorted(set(orders))
+    gaps = [(b.stamp_ns - a.stamp_ns) / 1e9 for a, b in itertools.pairwise(received)]
+    assert sorted(gaps)[len(gaps) // 2] == pytest.approx(0.1, abs=0.03)
+    assert set(await bus.latest_all(COMMANDS)) == {vehicle.id for vehicle in LAB.vehicles}
+    state = await bus.latest(GUIDANCE, ROBOT)
+    assert state is not None
+    assert state.reason.code is ReasonCode.ROUTE
+    kinds = [item.message.kind for item in await bus.history(EVENTS)]
+    assert "guidance_active" in kinds
+
+
+async def test_an_assignment_that_somebody_changed_meanwhile_is_left_alone(bus: Bus) -> None:
+    await plan(bus)
+    now_ns = time.time_ns()
+    await bus.publish(POSES, ROBOT, tracked(ROBOT, 1.0, 1.0, stamp_ns=now_ns))
+    await bus.publish(STATUSES, ROBOT, status(ROBOT, now_ns))
+    await bus.publish(OBSTACLES, LAB_INSTANCE, raster(stamp_ns=now_ns))
+    store = GuidanceStore(bus.redis, SystemClock())
+    epoch = await store.acquire(0)
+    assert epoch == 1
+    outcome = Guidance(LAB).cycle(await store.snapshot(), epoch)
+    assert [change.after.leg for change in outcome.changes] == [1]
+    paused = assignment(state=AssignmentState.PAUSED)
+    await bus.redis.hset(keys.ASSIGNMENTS, ROBOT, encode(paused))  # pyright: ignore[reportGeneralTypeIssues]
+    assert await store.say(outcome, epoch)
+    assert await assigned(bus) == paused
+
+
+async def test_without_the_lease_nothing_is_written(bus: Bus) -> None:
+    await plan(bus)
+    store = GuidanceStore(bus.redis, SystemClock())
+    epoch = await store.acquire(0)
+    assert epoch is not None
+    assert await store.acquire(0) is None
+    outcome = Guidance(LAB).cycle(await store.snapshot(), epoch)
+    await store.release(epoch)
+    newer = await store.acquire(0)
+    assert newer == epoch + 1
+    await bus.redis.delete(keys.live(COMMANDS.name))
+    before = await bus.redis.dbsize()
+    assert not await store.say(outcome, epoch)
+    assert await bus.redis.dbsize() == before
+    await store.release(epoch)
+    assert await store.acquire(0) is None
+
+
+async def test_a_new_epoch_is_above_what_robots_obeyed(bus: Bus) -> None:
+    """As after a power cut that cost Redis its newest counter."""
+    obeyed = status(ROBOT, time.time_ns()).model_copy(update={"command_order": (41, 7)})
+    await bus.publish(STATUSES, ROBOT, obeyed)
+    guidance = service(bus)
+    async with running(guidance.run):
+
+        async def active() -> bool:
+            return guidance.epoch is not None
+
+        await until(active)
+        assert guidance.epoch == 42
+        await bus.publish(STATUSES, ROBOT, obeyed.model_copy(update={"command_order": (50, 1)}))
+
+        async def above() -> bool:
+            return guidance.epoch is not None and guidance.epoch > 50
+
+        await until(above)
+
+
+async def test_an_emergency_stop_that_cannot_be_read_counts_as_engaged(bus: Bus) -> None:
+    await bus.redis.hset(keys.live(EMERGENCY_STOP.name), LAB_INSTANCE, b"garbage")  # pyright: ignore[reportGeneralTypeIssues]
+    async with running(service(bus).run):
+
+        async def waits() -> bool:
+            said = await command(bus)
+            return said is not None and said.reason.code is ReasonCode.EMERGENCY_STOP
+
+        await until(waits)
+
+
+async def test_what_does_not_decode_is_left_out(bus: Bus) -> None:
+    await plan(bus)
+    await bus.redis.hset(keys.live(POSES.name), ROBOT, b"{}")  # pyright: ignore[reportGeneralTypeIssues]
+    await bus.redis.hset(keys.WAYPOINTS, "bad", b"\xff")  # pyright: ignore[reportGeneralTypeIssues]
+    await bus.publish(STATUSES, ROBOT, status(ROBOT, time.time_ns()))
+    async with running(service(bus).run):
+
+        async def waits() -> bool:
+            said = await command(bus)
+            return said is not None and said.reason.code is ReasonCode.POSE_STALE
+
+        await until(waits)
+
+
+async def test_it_goes_on_by_itself_after_redis_was_killed_and_forgets_nothing(
+    bus: Bus, redis_server: RedisServer
+) -> None:
+    await plan(bus, leg=1)
+    await bus.publish(EMERGENCY_STOP, LAB_INSTANCE, EmergencyStop(engaged=True, epoch=1))
+    guidance = service(bus)
+    async with running(guidance.run):
+
+        async def stopped() -> bool:
+            said = await command(bus)
+            return said is not None and said.reason.code is ReasonCode.EMERGENCY_STOP
+
+        await until(stopped)
+        first = await command(bus)
+        assert first is not None
+        redis_server.kill()
+        await asyncio.sleep(0.3)  # the outage, not a wait for something
+        redis_server.start()
+        killed_ns = time.time_ns()
+
+        async def again() -> bool:
+            said = await command(bus)
+            return said is not None and said.stamp_ns > killed_ns
+
+        assert await until(again) < 2.0
+        said = await command(bus)
+        assert said is not None
+        assert said.order > first.order
+        assert said.reason.code is ReasonCode.EMERGENCY_STOP
+        assert (await assigned(bus)).leg == 1
+
+
+@pytest.fixture
+def start_process(redis_url: str, tmp_path: Path) -> Iterator[Callable[[], "subprocess.Popen[bytes]"]]:
+    started: list[subprocess.Popen[bytes]] = []
+
+    def start() -> "subprocess.Popen[bytes]":
+        environment = {
+            **os.environ,
+            "PYTHONPATH": str(ROOT),
+            "LILLIPUT_LAB": str(ROOT / "labs/gulliver.yaml"),
+            "LILLIPUT_STATE": str(tmp_path),
+            "REDIS_URL": redis_url,
+        }
+        process = subprocess.Popen([sys.executable, "-m", "server.guidance"], env=environment)
+        started.append(process)
+        return process
+
+    yield start
+    for process in started:
+        process.kill()
+        process.wait(10)
+
+
+async def test_a_stand_by_takes_over_within_two_seconds_of_a_kill(
+    bus: Bus, start_process: Callable[[], "subprocess.Popen[bytes]"]
+) -> None:
+    async def epoch() -> int:
+        said = await command(bus)
+        return said.epoch if said is not None else 0
+
+    async def first_commands() -> bool:
+        return await epoch() == 1
+
+    first = start_process()
+    await until(first_commands, 15.0)
+    start_process()
+    attempts_before = await bus.redis.info("clients")
+    assert attempts_before["connected_clients"] >= 2
+
+    async def both_connected() -> bool:
+        return (await bus.redis.info("clients"))["connected_clients"] > attempts_before["connected_clients"]
+
+    await until(both_connected, 15.0)
+    assert await epoch() == 1
+
+    first.send_signal(signal.SIGKILL)
+
+    async def taken_over() -> bool:
+        return await epoch() == 2
+
+    assert await until(taken_over) < 2.0
+    kinds = [(item.message.kind, item.message.text) for item in await bus.history(EVENTS)]
+    assert ("guidance_active", "guidance is active, epoch 2") in kinds
+
+
+async def test_sigterm_ends_it_at_once_and_frees_the_lease(
+    bus: Bus, start_process: Callable[[], "subprocess.Popen[bytes]"]
+) -> None:
+    process = start_process()
+
+    async def commands() -> bool:
+        said = await command(bus)
+        return said is not None and said.movement is Movement.NO_ACTION
+
+    await until(commands, 15.0)
+    began = time.monotonic()
+    process.send_signal(signal.SIGTERM)
+    assert await asyncio.to_thread(process.wait, 5) == 0
+    assert time.monotonic() - began < 2.0
+    assert await bus.redis.get(keys.GUIDANCE_LEASE) is None
+
+
+def test_bad_use_ends_with_a_sentence(tmp_path: Path) -> None:
+    def end(*arguments: str, **environment: str) -> tuple[int, str]:
+        done = subprocess.run(
+            [sys.executable, "-m", "server.guidance", *arguments],
+            env={**os.environ, "PYTHONPATH": str(ROOT), "LILLIPUT_LAB": "", "REDIS_URL": "", **environment},
+            capture_output=True,
+            timeout=30,
+            check=False,
+        )
+        return done.returncode, done.stderr.decode()
+
+    code, text = end()
+    assert code != 0
+    assert "LILLIPUT_LAB" in text
+    code, text = end("--look-ahead", "0.2", LILLIPUT_LAB="x", REDIS_URL="unix:///nowhere")
+    assert code == 2
+    assert "does not steer" in text
+    code, text = end(LILLIPUT_LAB=str(tmp_path / "none.yaml"), REDIS_URL="unix:///nowhere")
+    assert code != 0
+    assert "cannot read the lab file" in text
+    assert "Traceback" not in text
