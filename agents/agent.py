@@ -11,7 +11,7 @@ robot"). It is also the example of how a robot takes part:
 import asyncio
 import logging
 import secrets
-from contextlib import AsyncExitStack
+from contextlib import AsyncExitStack, suppress
 from dataclasses import dataclass, field
 
 from agents.control import CONTROLLERS, DEFAULT_CONTROLLER
@@ -91,6 +91,8 @@ class Agent:
             responses = ResponseQueue(client, robot, self._clock)
             stack.push_async_callback(self._driver.close)
             _logger.info("%s listens on UDP port %d, server %s", robot, port, config.server_url)
+            with suppress(DriverError):  # said and tried again below
+                await self._driver.connect()
             async with asyncio.TaskGroup() as tasks:
                 tasks.create_task(self._keep_connected())
                 tasks.create_task(self._control(responses))
@@ -173,7 +175,7 @@ class Agent:
             case Verdict.FOREIGN:
                 self._order_trouble.note(f"commands for {command.robot} come here")
             case _:
-                self._order_trouble.over()
+                pass
 
     def _on_emergency_stop(self, event: EmergencyStop) -> None:
         """Stops at once; the control loop then keeps on commanding zero."""
