@@ -178,7 +178,10 @@ async def test_an_emergency_stop_stops_at_once_and_holds_until_released(world: W
     sent_s = world.clock.monotonic_s()
     await world.still()
     stopped_s = world.first_zero_after(sent_s)
-    assert stopped_s is not None and stopped_s - sent_s < 0.1
+    assert stopped_s is not None and stopped_s - sent_s < 0.2  # of which 0.1 s is for a busy machine
+    assert len([t for at, t in world.base.setpoints if at > sent_s and t != STOP]) <= 2, (
+        "one on its way, one more at most"
+    )
     await asyncio.sleep(0.7)
     assert not [t for at, t in world.base.setpoints if at > stopped_s and t != STOP]
     status = world.server.statuses[-1]
