@@ -15,6 +15,7 @@ COMMAND_LIMIT_S = 0.5
 POSE_LIMIT_S = 0.5
 ODOMETRY_LIMIT_S = 0.2
 OBSTACLE_STOP_M = 0.20
+"""Inclusive: infrared sensors of this kind report their least range, 0.20 m, for everything that is nearer."""
 OBSTACLE_CLEAR_M = 0.25
 """Once stopped, the robot goes on when there is this much room: a range that trembles around the limit is no permission."""
 
@@ -135,7 +136,7 @@ def why_still(situation: Situation, pose_limit_s: float = POSE_LIMIT_S) -> Reaso
 
 
 class FrontGuard:
-    """The forward range sensor: nothing nearer than 0.20 m is driven towards. Turning on the spot and reversing stay allowed."""
+    """The forward range sensor: nothing within 0.20 m is driven towards. Turning on the spot and reversing stay allowed."""
 
     def __init__(self) -> None:
         self._blocked = False
@@ -143,7 +144,7 @@ class FrontGuard:
     def limit(self, twist: Twist, front_range_m: float | None) -> tuple[Twist, Reason | None]:
         """The twist that may be driven, and why when it is another one."""
         limit_m = OBSTACLE_CLEAR_M if self._blocked else OBSTACLE_STOP_M
-        self._blocked = front_range_m is not None and front_range_m < limit_m
+        self._blocked = front_range_m is not None and front_range_m <= limit_m
         if not self._blocked or front_range_m is None or twist.linear_mps <= 0.0:
             return twist, None
         return STOP, Reason(code=ReasonCode.OBSTACLE, text=f"{front_range_m:.2f} m ahead of the range sensor")

@@ -114,7 +114,7 @@ def test_the_range_sensor_stops_forward_motion_only() -> None:
     guard, forward = FrontGuard(), Twist(0.3, 0.1)
     assert guard.limit(forward, None) == (forward, None)
     assert guard.limit(forward, 0.21) == (forward, None)
-    twist, reason = guard.limit(forward, 0.19)
+    twist, reason = guard.limit(forward, 0.20)
     assert twist == STOP
     assert reason is not None and reason.code is ReasonCode.OBSTACLE
     assert guard.limit(forward, 0.22)[0] == STOP, "no trembling around the limit"
