@@ -71,7 +71,7 @@ class Background:
         known = self.known
         gain = self._gain(floor, known & trusted)
         # Compared at the frame's own exposure: what a grey level means there is what its noise and contrast are made of.
-        exposure = np.float32(1.0 if gain is None else gain)
+        exposure = np.float32(1.0 if gain is None else max(gain, 0.01))
         expected = self.mean * exposure
         noise = self._noise_limit() * max(np.float32(1.0), exposure)
         limit = np.maximum(noise, _GREY_LEVELS + np.float32(_SHARE) * expected)

@@ -46,7 +46,7 @@ def load_background(
 ) -> Background | None:
     """The background kept for this view, None when there is none that fits it. `shape` is that of the sampled floor."""
     try:
-        with np.load(path, allow_pickle=False) as kept:
+        with path.open("rb") as file, np.load(file, allow_pickle=False) as kept:
             arrays = {name: np.asarray(kept[name]) for name in kept.files}
     except FileNotFoundError:
         return None
