@@ -19,6 +19,7 @@ Array = NDArray[np.float64]
 
 MIN_TAGS = 2
 """One tag alone leaves the camera's tilt open by whole degrees, and sometimes flips it."""
+_WORTH_A_LOOK_M = 0.002
 _OUTLIER_M = 0.010
 """A floor tag further than this from where the others want it is wrong, not just measured by hand."""
 _OUTLIER_GAIN = 0.5
@@ -47,11 +48,13 @@ def estimate_extrinsics(
     used = sorted(set(seen) & set(expected))
     rejected: list[int] = []
     pose, error = _solve(model, seen, expected, used)
-    while len(used) > MIN_TAGS:
-        candidates = [(*_solve(model, seen, expected, _without(used, tag)), tag) for tag in used]
-        best_pose, best_error, worst = min(candidates, key=lambda candidate: candidate[1])
+    px_per_m = float(np.mean([_side_px(seen[tag]) for tag in used])) / size_m
+    while len(used) > MIN_TAGS and error > _WORTH_A_LOOK_M * px_per_m:
+        without = _without_worst(model, seen, expected, used)
+        if without is None:
+            break
+        best_pose, best_error, worst = without
         off_px = float(_residuals(model, best_pose, seen, expected, [worst]).mean())
-        px_per_m = float(np.linalg.norm(seen[worst] - np.roll(seen[worst], 1, axis=0), axis=1).mean()) / size_m
         if off_px < _OUTLIER_M * px_per_m or best_error > _OUTLIER_GAIN * error:
             break
         used.remove(worst)
@@ -70,8 +73,21 @@ def reprojection_px(
     }
 
 
-def _without(tags: Iterable[int], tag: int) -> list[int]:
-    return [other for other in tags if other != tag]
+def _without_worst(
+    model: CameraModel, seen: Mapping[int, Array], expected: Mapping[int, Array], used: list[int]
+) -> tuple[SE3, float, int] | None:
+    """Pose and error without the tag whose absence helps the most, and that tag."""
+    candidates: list[tuple[SE3, float, int]] = []
+    for tag in used:
+        try:
+            candidates.append((*_solve(model, seen, expected, [other for other in used if other != tag]), tag))
+        except ExtrinsicsError:
+            continue  # these alone give no pose
+    return min(candidates, key=lambda candidate: candidate[1]) if candidates else None
+
+
+def _side_px(corners: Array) -> float:
+    return float(np.linalg.norm(corners - np.roll(corners, 1, axis=0), axis=1).mean())
 
 
 def _points(seen: Mapping[int, Array], expected: Mapping[int, Array], tags: Iterable[int]) -> tuple[Array, Array]:
@@ -87,22 +103,32 @@ def _solve(
 ) -> tuple[SE3, float]:
     if len(tags) < MIN_TAGS:
         raise ExtrinsicsError(f"sees {_listed(tags)}, needs {MIN_TAGS} floor tags to find its own place")
-    floor, image = _points(seen, expected, tags)
-    matrix, distortion = model.matrix(), model.distortion_array()
-    try:
-        _, rvecs, tvecs, _ = cv2.solvePnPGeneric(floor, image, matrix, distortion, flags=cv2.SOLVEPNP_IPPE)
-        candidates: list[SE3] = []
-        for rvec, tvec in zip(rvecs, tvecs, strict=True):
-            refined = cv2.solvePnPRefineLM(floor, image, matrix, distortion, rvec, tvec)
-            T_camera_map = SE3.from_rotvec(_vector(refined[0]), _vector(refined[1]))
-            candidates.append(T_camera_map.inverse())
-    except (cv2.error, ValueError) as error:
-        raise ExtrinsicsError(f"the corners of {_listed(tags)} do not give a pose: {error}") from error
+    candidates = _candidates(model, *_points(seen, expected, tags))
+    if not candidates:
+        raise ExtrinsicsError(f"the corners of {_listed(tags)} do not give a pose")
     above = [pose for pose in candidates if pose.translation[2] > 0]
     if not above:
         raise ExtrinsicsError(f"{_listed(tags)} put the camera below the floor; are their ids and yaws right?")
     scored = [(pose, _rms(_residuals(model, pose, seen, expected, tags))) for pose in above]
     return min(scored, key=lambda item: item[1])
+
+
+def _candidates(model: CameraModel, floor: Array, image: Array) -> list[SE3]:
+    """Refined poses T_map_camera: both of IPPE's, and SQPnP's, which also solves what IPPE finds singular."""
+    matrix, distortion = model.matrix(), model.distortion_array()
+    found: list[SE3] = []
+    for method in (cv2.SOLVEPNP_IPPE, cv2.SOLVEPNP_SQPNP):
+        try:
+            _, rvecs, tvecs, _ = cv2.solvePnPGeneric(floor, image, matrix, distortion, flags=method)
+        except cv2.error:
+            continue
+        for rvec, tvec in zip(rvecs, tvecs, strict=True):
+            try:
+                refined = cv2.solvePnPRefineLM(floor, image, matrix, distortion, rvec, tvec)
+                found.append(SE3.from_rotvec(_vector(refined[0]), _vector(refined[1])).inverse())
+            except (cv2.error, ValueError):
+                continue  # not finite
+    return found
 
 
 def _residuals(

@@ -31,7 +31,7 @@ from protocol.frames import Frame
 from protocol.lab import Lab
 from protocol.messages import CameraExtrinsics, Detection, FrameDetections, TrackedPose
 
-_UNCALIBRATED_SIDE_PX = 36.0
+_UNCALIBRATED_SIDE_PX = 27.0
 """Tags from this side length on are found before the camera knows its height (decimation 1.5)."""
 _HASTE_S = 2.0
 _HASTY_SHARE = 4

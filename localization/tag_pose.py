@@ -51,8 +51,9 @@ class TagPose:
 def tag_pose(view: CameraView, plane: Array, size_m: float, height_m: float, noise: PoseNoise) -> TagPose:
     """The pose from the undistorted corners `plane` (4, 2) of a level tag of that size at that height.
 
-    Pixel noise reaches x, y, yaw through the rays: each corner's 2x2 Jacobian grows with the distance and, to the square,
-    with the obliqueness; the fit is linear in the corners near the solution. PointsAtInfinityError, NotATagError.
+    Pixel noise reaches x, y, yaw through the rays: each corner's 2x2 Jacobian grows with the depth and with the ray's
+    obliqueness to the plane; the fit is linear in the corners near the solution. Distortion's own scale, a few per cent, is
+    left out. PointsAtInfinityError, NotATagError.
     """
     hits = view.hits(plane, height_m)
     square = tag_corners(size_m)

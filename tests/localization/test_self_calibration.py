@@ -1,0 +1,195 @@
+"""Extrinsics from floor tags: right, robust, checked; a moved camera notices."""
+
+import math
+
+import cv2
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from geometry import SE3
+from localization.calibration import SelfCalibration
+from localization.detection import TagObservation
+from localization.extrinsics import ExtrinsicsError, estimate_extrinsics
+from localization.projection import extrinsics_pose
+from localization.tags import KnownTags
+from protocol.messages import CameraExtrinsics
+from tests.localization.synthetic import MOUNTS, mount, small_lab
+
+LAB = small_lab()
+MODEL = LAB.camera("left").model()
+KNOWN = KnownTags.of(LAB)
+TRUTH = MOUNTS["left"]
+CORNERS = {key[1]: KNOWN.floor_corners(key) for key in KNOWN.floor}
+IN_VIEW = (0, 1, 2, 3)
+
+
+def seen_from(T: SE3, noise_px: float = 0.0, seed: int = 0) -> dict[int, NDArray[np.float64]]:
+    """Corners in the image of the floor tags in view."""
+    rng = np.random.default_rng(seed)
+    T_camera_map = T.inverse()
+    seen: dict[int, NDArray[np.float64]] = {}
+    for tag in IN_VIEW:
+        points = np.column_stack([CORNERS[tag], np.zeros(4)])
+        pixels, _ = cv2.projectPoints(
+            points, T_camera_map.rotvec(), np.array(T_camera_map.translation), MODEL.matrix(), MODEL.distortion_array()
+        )
+        seen[tag] = np.asarray(pixels, dtype=np.float64).reshape(4, 2) + rng.normal(0.0, noise_px, (4, 2))
+    return seen
+
+
+def observations(
+    T: SE3, seed: int = 0, noise_px: float = 0.05, only: tuple[int, ...] = IN_VIEW
+) -> list[TagObservation]:
+    seen = seen_from(T, noise_px, seed)
+    return [TagObservation("tag36h11", tag, seen[tag], 80.0, 0) for tag in only]
+
+
+def watch(T: SE3, calibration: SelfCalibration, frames: int, seed: int = 0) -> list[CameraExtrinsics]:
+    found = (calibration.observe(observations(T, seed + k), k) for k in range(frames))
+    return [extrinsics for extrinsics in found if extrinsics is not None]
+
+
+def calibrated() -> SelfCalibration:
+    calibration = SelfCalibration("left", MODEL, KNOWN)
+    assert len(watch(TRUTH, calibration, 10)) == 1
+    return calibration
+
+
+def off(extrinsics: CameraExtrinsics | None, T: SE3) -> tuple[float, float]:
+    """Metres and degrees."""
+    assert extrinsics is not None
+    pose = extrinsics_pose(extrinsics)
+    return float(np.linalg.norm(pose.translation - T.translation)), math.degrees(pose.angle_to(T))
+
+
+@given(
+    st.builds(
+        mount,
+        st.floats(-0.3, 1.8),
+        st.floats(-0.3, 1.3),
+        st.floats(2.0, 4.0),
+        st.floats(-3.1, 3.1),
+        st.floats(-0.2, 0.2),
+        st.floats(-0.2, 0.2),
+    )
+)
+def test_the_pose_comes_back_from_exact_corners(T: SE3) -> None:
+    estimate = estimate_extrinsics(MODEL, seen_from(T), CORNERS, LAB.floor_tags.size_m)
+    assert np.linalg.norm(estimate.T_map_camera.translation - T.translation) < 1e-4
+    assert estimate.T_map_camera.angle_to(T) < 1e-4
+    assert estimate.reprojection_px < 1e-2
+    assert (estimate.used, estimate.rejected) == (IN_VIEW, ())
+
+
+@pytest.mark.parametrize("wrong", IN_VIEW)
+def test_a_misplaced_tag_is_left_out_and_named(wrong: int) -> None:
+    seen = seen_from(TRUTH, noise_px=0.05)
+    elsewhere = CORNERS | {wrong: CORNERS[wrong] + (0.05, -0.03)}
+    estimate = estimate_extrinsics(MODEL, seen, elsewhere, LAB.floor_tags.size_m)
+    assert estimate.rejected == (wrong,)
+    assert np.linalg.norm(estimate.T_map_camera.translation - TRUTH.translation) < 0.01
+
+
+def test_hand_measured_tags_are_all_used() -> None:
+    rng = np.random.default_rng(2)
+    measured = {tag: corners + rng.uniform(-0.003, 0.003, 2) for tag, corners in CORNERS.items()}
+    estimate = estimate_extrinsics(MODEL, seen_from(TRUTH), measured, LAB.floor_tags.size_m)
+    assert estimate.used == IN_VIEW
+    assert estimate.reprojection_px > 0.2
+
+
+def test_one_tag_is_not_enough() -> None:
+    seen = seen_from(TRUTH)
+    with pytest.raises(ExtrinsicsError, match="sees floor tag 2, needs 2"):
+        estimate_extrinsics(MODEL, {2: seen[2]}, CORNERS, 0.16)
+    calibration = SelfCalibration("left", MODEL, KNOWN)
+    assert calibration.observe(observations(TRUTH, only=(2,)), 1) is None
+    assert calibration.problem == "not calibrated: sees 1 floor tags, needs 2"
+
+
+def test_averaging_beats_a_single_frame() -> None:
+    metres, degrees = off(calibrated().extrinsics, TRUTH)
+    assert metres < 0.0015
+    assert degrees < 0.05
+
+
+def test_a_wrong_yaw_in_the_lab_file_is_refused_with_a_hint() -> None:
+    text = small_lab().model_dump()
+    text["floor_tags"]["poses"] = {tag: (x, y, yaw + 1.5708) for tag, (x, y, yaw) in LAB.floor_tags.poses.items()}
+    turned = KnownTags.of(type(LAB).model_validate(text))
+    calibration = SelfCalibration("left", MODEL, turned)
+    assert watch(TRUTH, calibration, 10) == []
+    assert calibration.extrinsics is None
+    assert calibration.problem is not None
+    assert "ids" in calibration.problem
+
+
+def test_a_stored_result_that_holds_is_used_at_once_and_kept() -> None:
+    stored = calibrated().extrinsics
+    calibration = SelfCalibration("left", MODEL, KNOWN, stored=stored)
+    assert calibration.extrinsics is stored
+    assert watch(TRUTH, calibration, 10, seed=50) == []
+    assert calibration.extrinsics is stored
+    assert not calibration.eager
+
+
+def test_a_stored_result_of_another_place_is_replaced() -> None:
+    stored = calibrated().extrinsics
+    moved = mount(0.80, 0.5, 2.2, 0.02, 0.015, -0.01)
+    calibration = SelfCalibration("left", MODEL, KNOWN, stored=stored)
+    (found,) = watch(moved, calibration, 10)
+    assert off(found, moved)[0] < 0.002
+
+
+def test_a_moved_camera_says_so_and_finds_its_place_again() -> None:
+    calibration = calibrated()
+    bumped = mount(0.77, 0.5, 2.2, 0.02, 0.015, -0.01)
+    assert watch(bumped, calibration, 1) == []
+    assert calibration.eager, "it looks again at once"
+    watch(bumped, calibration, 2)
+    assert calibration.extrinsics is None
+    assert calibration.problem is not None
+    assert "the camera moved: floor tags are" in calibration.problem
+    (found,) = watch(bumped, calibration, 10)
+    assert off(found, bumped)[0] < 0.002
+    assert calibration.problem is None
+
+
+def test_one_tag_that_was_kicked_does_not_move_the_camera() -> None:
+    calibration = calibrated()
+    for k in range(5):
+        tags = observations(TRUTH, k)
+        kicked = TagObservation("tag36h11", 3, tags[3].corners + 20.0, 80.0, 0)
+        calibration.observe([*tags[:3], kicked], k)
+    assert calibration.extrinsics is not None
+    assert calibration.problem is None
+
+
+def test_a_shaking_picture_is_not_calibrated_from() -> None:
+    calibration = SelfCalibration("left", MODEL, KNOWN)
+    for k in range(10):
+        swaying = mount(0.75 + 0.02 * (k % 2), 0.5, 2.2)
+        assert calibration.observe(observations(swaying, k), k) is None
+    assert calibration.problem is not None
+    assert "shakes" in calibration.problem
+
+
+def test_a_floor_tag_seen_twice_is_believed_in_neither_place() -> None:
+    calibration = SelfCalibration("left", MODEL, KNOWN)
+    tags = observations(TRUTH)
+    twin = TagObservation("tag36h11", 0, tags[0].corners + 100.0, 80.0, 0)
+    calibration.observe([*tags, twin], 0)
+    assert calibration.floor_tags_seen == (1, 2, 3)
+
+
+def test_without_floor_tags_there_is_no_hurry() -> None:
+    calibration = SelfCalibration("left", MODEL, KNOWN)
+    assert calibration.eager
+    for k in range(10):
+        calibration.observe([], k)
+    assert not calibration.eager
+    calibration.observe(observations(TRUTH), 11)
+    assert calibration.eager
