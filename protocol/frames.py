@@ -6,6 +6,7 @@ stayed the same. The file is made beside its name and renamed, so that a reader 
 makes a new file, and readers that hear nothing look whether theirs was replaced.
 """
 
+import contextlib
 import mmap
 import os
 import struct
@@ -52,6 +53,7 @@ class FrameWriter:
         with draft.open("w+b") as file:
             file.truncate(size)
             self._map = mmap.mmap(file.fileno(), size)
+            self._identity = _identity(os.fstat(file.fileno()))
         _HEADER.pack_into(self._map, 0, _MAGIC, width, height, 3 if color else 1, _SLOTS)
         _NEWEST.pack_into(self._map, _NEWEST_OFFSET, 0)
         draft.replace(path)
@@ -70,8 +72,10 @@ class FrameWriter:
         return number
 
     def close(self) -> None:
-        """Removes the ring; readers keep what they have mapped."""
-        self._path.unlink(missing_ok=True)
+        """Removes the ring, unless a newer writer's has taken its place; readers keep what they have mapped."""
+        with contextlib.suppress(FileNotFoundError):
+            if _identity(self._path.stat()) == self._identity:
+                self._path.unlink()
         self._map.close()
 
 
@@ -89,7 +93,7 @@ class FrameReader:
         self._bytes = int(width) * int(height) * int(channels)
         if magic != _MAGIC or slots != _SLOTS or status.st_size < _PAGE + _SLOTS * _stride(self._bytes):
             raise DecodeError(f"{path} is not a frame ring of this version")
-        self._identity = (status.st_dev, status.st_ino)
+        self._identity = _identity(status)
         self._shape = (height, width, 3) if channels == 3 else (height, width)
         self._seen = 0
 
@@ -121,7 +125,7 @@ class FrameReader:
             status = self._path.stat()
         except FileNotFoundError:
             return True
-        return (status.st_dev, status.st_ino) != self._identity
+        return _identity(status) != self._identity
 
     def close(self) -> None:
         self._map.close()
@@ -131,6 +135,10 @@ class FrameReader:
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+
+def _identity(status: os.stat_result) -> tuple[int, int]:
+    return status.st_dev, status.st_ino
 
 
 def _stride(data_bytes: int) -> int:

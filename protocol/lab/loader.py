@@ -1,5 +1,6 @@
 """Reads a lab file; every problem is named with the line that it stands on."""
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -8,6 +9,9 @@ from pydantic import ValidationError
 
 from protocol.errors import LabFileError, LabProblem
 from protocol.lab.description import Lab, Location
+
+_MERGE = "<<"
+_DEEPEST = 50
 
 
 def load_lab(path: Path | str) -> Lab:
@@ -24,12 +28,14 @@ def parse_lab(text: str, name: str = "lab.yaml") -> Lab:
     """The lab described by YAML text; `name` stands in the messages of LabFileError."""
     try:
         root = yaml.compose(text, Loader=yaml.SafeLoader)
-        _refuse_duplicate_keys(root, name)
+        _check_keys(root, name)
         data = yaml.safe_load(text)
     except yaml.MarkedYAMLError as error:
         line = error.problem_mark.line + 1 if error.problem_mark else 0
         raise LabFileError(name, [LabProblem(line, "", f"not YAML: {error.problem or error}")]) from error
-    except yaml.YAMLError as error:
+    except RecursionError as error:
+        raise LabFileError(name, [LabProblem(0, "", "nested too deeply for a lab file")]) from error
+    except (yaml.YAMLError, ValueError) as error:  # ValueError: a date such as 2001-99-99
         raise LabFileError(name, [LabProblem(0, "", f"not YAML: {error}")]) from error
     if not isinstance(data, dict):
         raise LabFileError(name, [LabProblem(1, "", "a lab file is a mapping with name, areas, cameras, ...")])
@@ -72,14 +78,17 @@ def _location(loc: tuple[str | int, ...], root: yaml.Node | None) -> Location:
 
 
 def _with_lines(found: list[tuple[Location, str]], root: yaml.Node | None) -> list[LabProblem]:
-    problems = [LabProblem(_line(location, root), _dotted(location), what) for location, what in found]
+    problems = [LabProblem(_line(location, root), _dotted(location, root), what) for location, what in found]
     return sorted(set(problems), key=lambda problem: (problem.line, problem.where))
 
 
-def _dotted(location: Location) -> str:
-    text = ""
+def _dotted(location: Location, root: yaml.Node | None) -> str:
+    """As people write it: `cameras[0].width`; a number that is a mapping's key is a name like any other."""
+    text, node = "", root
     for part in location:
-        text += f"[{part}]" if isinstance(part, int) else f".{part}" if text else part
+        is_index = isinstance(part, int) and not isinstance(node, yaml.MappingNode)
+        text += f"[{part}]" if is_index else f".{part}" if text else str(part)
+        node = _child(node, part)
     return text
 
 
@@ -88,7 +97,7 @@ def _line(location: Location, root: yaml.Node | None) -> int:
     node, line = root, 1
     for part in location:
         if isinstance(node, yaml.MappingNode):
-            key = next((k for k, _ in node.value if _key(k) == str(part)), None)
+            key = next((k for k, _ in _pairs(node) if _key(k) == str(part)), None)
             if key is not None:
                 line = key.start_mark.line + 1
         child = _child(node, part)
@@ -102,26 +111,52 @@ def _line(location: Location, root: yaml.Node | None) -> int:
 
 def _child(node: yaml.Node | None, part: str | int) -> yaml.Node | None:
     if isinstance(node, yaml.MappingNode):
-        return next((value for key, value in node.value if _key(key) == str(part)), None)
+        return next((value for key, value in _pairs(node) if _key(key) == str(part)), None)
     if isinstance(node, yaml.SequenceNode) and isinstance(part, int) and part < len(node.value):
         return node.value[part]
     return None
+
+
+def _pairs(node: yaml.MappingNode) -> Iterator[tuple[yaml.Node, yaml.Node]]:
+    """A mapping's own keys and values, then those that it takes over by `<<`."""
+    merged: list[yaml.Node] = []
+    for key, value in node.value:
+        if _key(key) == _MERGE:
+            merged.extend(value.value if isinstance(value, yaml.SequenceNode) else [value])
+        else:
+            yield key, value
+    for source in merged:
+        if isinstance(source, yaml.MappingNode):
+            yield from _pairs(source)
 
 
 def _key(node: yaml.Node) -> str:
     return str(node.value) if isinstance(node, yaml.ScalarNode) else ""
 
 
-def _refuse_duplicate_keys(node: yaml.Node | None, name: str) -> None:
-    """YAML keeps the last of two equal keys in silence; here that is an error."""
+def _check_keys(node: yaml.Node | None, name: str, path: tuple[int, ...] = (), seen: set[int] | None = None) -> None:
+    """YAML keeps the last of two equal keys in silence; here that is an error, as is a part that contains itself. Parts
+    used several times by anchors are looked at once."""
+    checked = set[int]() if seen is None else seen
+    if node is None or isinstance(node, yaml.ScalarNode):
+        return
+    line = node.start_mark.line + 1
+    if id(node) in path:
+        raise LabFileError(name, [LabProblem(line, "", "an anchor that contains itself")])
+    if id(node) in checked:
+        return
+    if len(path) >= _DEEPEST:
+        raise LabFileError(name, [LabProblem(line, "", "nested too deeply for a lab file")])
+    inner = (*path, id(node))
     if isinstance(node, yaml.MappingNode):
-        seen: dict[str, int] = {}
+        lines: dict[str, int] = {}
         for key, value in node.value:
             text, line = _key(key), key.start_mark.line + 1
-            if text in seen:
-                raise LabFileError(name, [LabProblem(line, text, f"key given twice (first on line {seen[text]})")])
-            seen[text] = line
-            _refuse_duplicate_keys(value, name)
+            if text in lines:
+                raise LabFileError(name, [LabProblem(line, text, f"key given twice (first on line {lines[text]})")])
+            lines[text] = line
+            _check_keys(value, name, inner, checked)
     elif isinstance(node, yaml.SequenceNode):
         for item in node.value:
-            _refuse_duplicate_keys(item, name)
+            _check_keys(item, name, inner, checked)
+    checked.add(id(node))
