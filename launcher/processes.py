@@ -20,7 +20,8 @@ Restart = Literal["always", "never"]
 @dataclass(frozen=True, slots=True)
 class ProcessKind:
     """A row of the table. `argv` is what follows the Python interpreter; `{id}` stands for the instance's id. `instances`
-    gives the ids of a lab's instances, an id of "" meaning the only one. `needs_token`: gets an API token."""
+    gives the ids of a lab's instances, an id of "" meaning the only one. `needs_token`: gets an API token. `starts_first`:
+    the others connect to it, so they are started a little later."""
 
     name: str
     argv: tuple[str, ...]
@@ -28,6 +29,7 @@ class ProcessKind:
     instances: Callable[[Lab], Sequence[str]]
     restart: Restart = "always"
     needs_token: bool = False
+    starts_first: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,8 +61,8 @@ def _when_simulated(lab: Lab) -> Sequence[str]:
 
 PROCESSES = (
     ProcessKind(REDIS, (), "without REDIS_URL: a private server", _always),
-    ProcessKind("lab", ("-m", "lab"), "when any camera or vehicle is simulated", _when_simulated),
-    ProcessKind(SERVER, ("-m", "server"), "always", _always),
+    ProcessKind("lab", ("-m", "lab"), "when any camera or vehicle is simulated", _when_simulated, starts_first=True),
+    ProcessKind(SERVER, ("-m", "server"), "always", _always, starts_first=True),
     ProcessKind("guidance", ("-m", "server.guidance"), "always", _always),
     ProcessKind("scene", ("-m", "server.scene"), "always", _always),
     ProcessKind("camera", ("-m", "localization.camera", "{id}"), "one per camera", _cameras),

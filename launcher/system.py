@@ -33,6 +33,8 @@ REDIS_START_S = 60.0
 """A private Redis may have a long append-only file to read."""
 REDIS_ANSWER_S = 5.0
 CANCEL_AGAIN_S = 0.3
+SERVER_FIRST_S = 10.0
+"""How long the others wait for the server to answer; they can do without, but complain."""
 SLOW_START_S = 60.0
 
 
@@ -146,8 +148,14 @@ class System:
         tokens = await accounts.robot_tokens([process.id for process in others if process.kind.needs_token])
         if others:
             self._terminal.step(f"starting {', '.join(process.name for process in others)}")
-        for process in others:
+        first = [process for process in others if process.kind.starts_first]
+        for process in first:
             supervisor.start(child_spec(process, settings, tokens.get(process.id, "")))
+        if has_server:
+            await self._wait_for_server(SERVER_FIRST_S)
+        for process in others:
+            if process not in first:
+                supervisor.start(child_spec(process, settings, tokens.get(process.id, "")))
         async with asyncio.TaskGroup() as group:
             group.create_task(states.publish_for_ever())
             if has_server:
@@ -156,16 +164,22 @@ class System:
     async def _announce(self) -> None:
         """Says where the console is, and the first password, when the server answers."""
         url = self._settings.server_url
-        impatient_s = self._clock.monotonic_s() + SLOW_START_S
-        while not await answers(url):
-            if self._clock.monotonic_s() > impatient_s:
-                log = self._settings.state / "logs" / "server.log"
-                self._terminal.step(f"the console does not answer yet; the reason may stand in {log}")
-                impatient_s = float("inf")
-            await self._clock.sleep(0.1)
+        if not await self._wait_for_server(SLOW_START_S):
+            log = self._settings.state / "logs" / "server.log"
+            self._terminal.step(f"the console does not answer yet; the reason may stand in {log}")
+            await self._wait_for_server(float("inf"))
         self._terminal.result(f"Console:   {url}")
         self._tell_password()
         self._terminal.step("Ctrl-C ends everything")
+
+    async def _wait_for_server(self, limit_s: float) -> bool:
+        """Whether the server answered in this time."""
+        deadline_s = self._clock.monotonic_s() + limit_s
+        while not await answers(self._settings.server_url):
+            if self._clock.monotonic_s() >= deadline_s:
+                return False
+            await self._clock.sleep(0.1)
+        return True
 
     def _tell_password(self) -> None:
         """At the latest when everything ends: it is made only once, so it must not be lost."""

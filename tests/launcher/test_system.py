@@ -1,6 +1,7 @@
 """A whole system with its own Redis, in this process: what it makes at the start, and that its end always comes."""
 
 import asyncio
+import socket
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -12,7 +13,7 @@ from launcher.accounts import ServerAccounts
 from launcher.environment import SystemSettings
 from launcher.errors import LauncherError
 from launcher.paths import DEFAULT_LAB
-from launcher.processes import expand, select
+from launcher.processes import ProcessKind, expand, select
 from launcher.redis_server import redis_url, socket_path
 from launcher.system import Accounts, System, Terminal
 from protocol.lab import load_lab
@@ -25,9 +26,20 @@ class Screen:
     def __init__(self) -> None:
         self.steps: list[str] = []
         self.results: list[str] = []
+        self._more = asyncio.Event()
 
     def terminal(self) -> Terminal:
-        return Terminal(self.steps.append, self.results.append)
+        def step(line: str) -> None:
+            self.steps.append(line)
+            self._more.set()
+
+        return Terminal(step, self.results.append)
+
+    async def until(self, beginning: str) -> None:
+        """Returns when a step begins like this."""
+        while not any(step.startswith(beginning) for step in self.steps):
+            self._more.clear()
+            await self._more.wait()
 
 
 @pytest.fixture
@@ -129,6 +141,44 @@ async def test_the_first_password_is_told_once_even_when_the_start_fails(
             await asyncio.wait_for(failing.run_until_stopped(), 20)
         assert len(screen.results) == 1
         assert screen.results[0].startswith("Log in as: admin, password ")
+
+
+SERVER_CODE = """
+import http.server, os, signal
+signal.signal(signal.SIGTERM, lambda *_: os._exit(0))
+http.server.HTTPServer(("127.0.0.1", int(os.environ["LILLIPUT_HTTP_PORT"])), http.server.BaseHTTPRequestHandler).serve_forever()
+"""
+AGENT_CODE = """
+import os, time, urllib.error, urllib.request
+try:
+    urllib.request.urlopen(os.environ["LILLIPUT_SERVER"])
+except urllib.error.HTTPError as error:
+    print("WARNING the server answered", error.code, os.environ["LILLIPUT_TOKEN"][:9], flush=True)
+time.sleep(600)
+"""
+
+
+async def test_the_console_is_announced_when_it_answers_and_the_others_find_it(
+    settings: SystemSettings, screen: Screen
+) -> None:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = int(probe.getsockname()[1])
+    table = [
+        ProcessKind("redis", (), "", lambda lab: ("",)),
+        ProcessKind("agent", ("-c", AGENT_CODE), "", lambda lab: ("wifibot-14",), needs_token=True),
+        ProcessKind("server", ("-c", SERVER_CODE), "", lambda lab: ("",), starts_first=True),
+    ]
+    here = replace(settings, http_port=port, server_url=f"http://127.0.0.1:{port}")
+    running = System(expand(load_lab(DEFAULT_LAB), table), here, ServerAccounts, screen.terminal())
+    task = asyncio.create_task(running.run_until_stopped())
+    await asyncio.wait_for(screen.until("agent-wifibot-14: "), 20)
+    running.stop()
+    await asyncio.wait_for(task, 5)
+    assert "agent-wifibot-14: WARNING the server answered 501 lilliput_" in screen.steps
+    assert screen.results[0] == f"Console:   http://127.0.0.1:{port}"
+    assert screen.results[1].startswith("Log in as: admin, password ")
+    assert not any("starting it again" in step for step in screen.steps)
 
 
 async def answers(client: redis.asyncio.Redis) -> bool:
