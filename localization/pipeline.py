@@ -79,7 +79,7 @@ class CameraPipeline:
         self._every = max(1, self.options.full_search_every or round(self.spec.rate_hz))
         # Cameras take turns, so that their full searches do not fall into the same instant.
         index = [camera.id for camera in lab.cameras].index(camera_id)
-        self._since_full_search = self._every * (index + 1) // len(lab.cameras)
+        self._turn = self._every * index // len(lab.cameras)
         self._last_tracked_ns: int | None = None
         self._tags: tuple[TagObservation, ...] = ()
         self._floor_tags: tuple[TagObservation, ...] = ()
@@ -145,7 +145,7 @@ class CameraPipeline:
             )
 
     def _full_search_due(self, frame: Frame, predicted: Mapping[str, TrackedPose]) -> bool:
-        self._since_full_search += 1
+        self._turn += 1
         every = self._every
         tracked = bool(self._tags) or any(is_fresh(pose, frame.stamp_ns) for pose in predicted.values())
         if tracked or self._last_tracked_ns is None:
@@ -153,10 +153,7 @@ class CameraPipeline:
         if not tracked:
             hasty = frame.stamp_ns - self._last_tracked_ns < _HASTE_S * 1e9
             every = 1 if hasty else max(1, self._every // _HASTY_SHARE)
-        due = self._since_full_search >= every or self._calibration.eager
-        if due:
-            self._since_full_search = 0
-        return due
+        return self._turn % every == 0 or self._calibration.eager
 
     def _find(self, frame: Frame, predicted: Mapping[str, TrackedPose], *, full: bool) -> list[TagObservation]:
         guesses: list[TagGuess] = []

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometry import SE2, SE3, CameraModel
-from protocol.frames import Frame
 from protocol.lab import Lab, parse_lab
 
 _DICTIONARY = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_APRILTAG_36h11)
@@ -100,20 +99,28 @@ def render(
     seed: int = 0,
     noise: float = 2.0,
     blur_px: float = 0.6,
-    background: float = 60.0,
+    background: float | NDArray[np.float32] = 60.0,
 ) -> NDArray[np.uint8]:
-    """A grey picture of the tags on a plain floor, shape (height, width)."""
-    image = np.full((model.height, model.width), background, np.float32)
-    for tag in sorted(tags, key=lambda tag: tag.height_m):
-        _draw(image, model, T_map_camera, tag)
+    """A grey picture of the tags on a plain floor (or on one drawn before), shape (height, width)."""
+    image = draw(model, T_map_camera, tags, background)
     if blur_px > 0:
         image = cv2.GaussianBlur(image, (0, 0), blur_px).astype(np.float32)
-    image += np.random.default_rng(seed).normal(0.0, noise, image.shape).astype(np.float32)
+    image += noise * np.random.default_rng(seed).standard_normal(image.shape, dtype=np.float32)
     return np.clip(np.rint(image), 0, 255).astype(np.uint8)
 
 
-def frame(number: int, stamp_ns: int, pixels: NDArray[np.uint8]) -> Frame:
-    return Frame(number, stamp_ns, pixels)
+def draw(
+    model: CameraModel,
+    T_map_camera: SE3,
+    tags: Iterable[PlacedTag],
+    background: float | NDArray[np.float32] = 60.0,
+) -> NDArray[np.float32]:
+    """The tags as a perfect lens and sensor would see them, shape (height, width)."""
+    image = np.empty((model.height, model.width), np.float32)
+    image[...] = background
+    for tag in sorted(tags, key=lambda tag: tag.height_m):
+        _draw(image, model, T_map_camera, tag)
+    return image
 
 
 def printed(tag_id: int) -> NDArray[np.uint8]:
@@ -142,7 +149,7 @@ def _draw(image: NDArray[np.float32], model: CameraModel, T_map_camera: SE3, tag
     u = left - 0.5 + (np.arange((right - left) * n) + 0.5) / n
     v = top - 0.5 + (np.arange((bottom - top) * n) + 0.5) / n
     grid = np.stack(np.meshgrid(u, v), axis=-1).reshape(-1, 1, 2)
-    criteria = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 60, 1e-12)
+    criteria = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 15, 1e-9)
     rays = cv2.undistortPoints(grid, model.matrix(), model.distortion_array(), criteria=criteria).reshape(-1, 2)
     directions = np.column_stack([rays, np.ones(len(rays))]) @ T_map_camera.rotation.T
     eye = T_map_camera.translation
