@@ -21,5 +21,9 @@ export default defineConfig(
       eqeqeq: "error",
     },
   },
-  { files: ["**/*.{js,mjs}"], languageOptions: { globals: { process: "readonly", console: "readonly" } } },
+  { files: ["tools/**"], languageOptions: { globals: { process: "readonly", URL: "readonly" } } },
+  {
+    files: ["public/**"],
+    languageOptions: { globals: { document: "readonly", localStorage: "readonly", matchMedia: "readonly" } },
+  },
 );

@@ -21,5 +21,9 @@ const source = positionals[0] ?? process.env.OPENAPI_JSON ?? "/dev/stdin";
 const output = values.output ?? fileURLToPath(new URL("../src/api/schema.gen.ts", import.meta.url));
 
 const description = JSON.parse(await readFile(source, "utf8"));
-const types = await openapiTS(description, { defaultNonNullable: true, rootTypes: true, rootTypesNoSchemaPrefix: true });
+const types = await openapiTS(description, {
+  defaultNonNullable: true,
+  rootTypes: true,
+  rootTypesNoSchemaPrefix: true,
+});
 await writeFile(output, HEADER + astToString(types));

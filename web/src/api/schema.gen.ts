@@ -8,13 +8,22 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Who */
-        get: operations["who_api_session_get"];
+        /**
+         * Who am I
+         * @description The user or token that this request is authorized by.
+         */
+        get: operations["who_am_i"];
         put?: never;
-        /** Login */
-        post: operations["login_api_session_post"];
-        /** Logout */
-        delete: operations["logout_api_session_delete"];
+        /**
+         * Log in
+         * @description Begins a session: the cookie `lilliput_session` stays valid for 12 hours after its last use.
+         */
+        post: operations["log_in"];
+        /**
+         * Log out
+         * @description Ends the session; its cookie is void from now on.
+         */
+        delete: operations["log_out"];
         options?: never;
         head?: never;
         patch?: never;
@@ -27,8 +36,11 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Getlab */
-        get: operations["getlab_api_lab_get"];
+        /**
+         * The lab description
+         * @description What exists: areas, cameras, floor tags, vehicles, zones, ports; without the simulation's truth.
+         */
+        get: operations["get_lab"];
         put?: never;
         post?: never;
         delete?: never;
@@ -44,187 +56,15 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Gh */
-        get: operations["gh_api_health_get"];
+        /**
+         * Health of the system
+         * @description How old the newest message of every channel is, which processes run, and what is missing since when. Open to all;
+         *     answers 200 also when something is wrong, Redis included: see `state`.
+         */
+        get: operations["get_health"];
         put?: never;
         post?: never;
         delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/api/robots/{id}/settings": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        get?: never;
-        /** Ps */
-        put: operations["ps_api_robots__id__settings_put"];
-        post?: never;
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/api/robots/{id}/assignment": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        get?: never;
-        /** Pa */
-        put: operations["pa_api_robots__id__assignment_put"];
-        post?: never;
-        /** Pd */
-        delete: operations["pd_api_robots__id__assignment_delete"];
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/api/robots/{id}/assignment/pause": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        get?: never;
-        put?: never;
-        /** Pp */
-        post: operations["pp_api_robots__id__assignment_pause_post"];
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/api/robots/{id}/assignment/resume": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        get?: never;
-        put?: never;
-        /** Pr */
-        post: operations["pr_api_robots__id__assignment_resume_post"];
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/api/robots/{id}/manual": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        get?: never;
-        /** Pm */
-        put: operations["pm_api_robots__id__manual_put"];
-        post?: never;
-        /** Dm */
-        delete: operations["dm_api_robots__id__manual_delete"];
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/api/waypoints": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        get?: never;
-        put?: never;
-        /** Aw */
-        post: operations["aw_api_waypoints_post"];
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/api/waypoints/{id}": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        get?: never;
-        /** Uw */
-        put: operations["uw_api_waypoints__id__put"];
-        post?: never;
-        /** Dw */
-        delete: operations["dw_api_waypoints__id__delete"];
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/api/routes": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        get?: never;
-        put?: never;
-        /** Ar */
-        post: operations["ar_api_routes_post"];
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/api/routes/{id}": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        get?: never;
-        /** Ur */
-        put: operations["ur_api_routes__id__put"];
-        post?: never;
-        /** Dr */
-        delete: operations["dr_api_routes__id__delete"];
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/api/estop": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        /** Ge */
-        get: operations["ge_api_estop_get"];
-        put?: never;
-        /** Pe */
-        post: operations["pe_api_estop_post"];
-        /** De */
-        delete: operations["de_api_estop_delete"];
         options?: never;
         head?: never;
         patch?: never;
@@ -237,8 +77,11 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Ev */
-        get: operations["ev_api_events_get"];
+        /**
+         * History
+         * @description The newest events, oldest first: who did what, and what went wrong.
+         */
+        get: operations["list_events"];
         put?: never;
         post?: never;
         delete?: never;
@@ -247,7 +90,92 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/sim/objects": {
+    "/api/robots": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * All robots
+         * @description Every robot of the lab description with all that is known of it.
+         */
+        get: operations["list_robots"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/robots/{robot_id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * One robot
+         * @description All that is known of the robot.
+         */
+        get: operations["get_robot"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/robots/{robot_id}/settings": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        /**
+         * Set the obstacle box
+         * @description Replaces what an operator has set for this robot; what is absent falls back to the lab description.
+         */
+        put: operations["put_robot_settings"];
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/robots/{robot_id}/assignment": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        /**
+         * Start a route
+         * @description Gives the robot a route. Refused while the emergency stop is engaged, while it has another one that is not over,
+         *     and when a waypoint of the route is missing.
+         */
+        put: operations["start_route"];
+        post?: never;
+        /**
+         * Stop the route
+         * @description Ends the route for good; the robot holds still.
+         */
+        delete: operations["stop_route"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/robots/{robot_id}/assignment/pause": {
         parameters: {
             query?: never;
             header?: never;
@@ -256,15 +184,18 @@ export interface paths {
         };
         get?: never;
         put?: never;
-        /** Ao */
-        post: operations["ao_api_sim_objects_post"];
+        /**
+         * Pause the route
+         * @description The robot holds still until the route is resumed.
+         */
+        post: operations["pause_route"];
         delete?: never;
         options?: never;
         head?: never;
         patch?: never;
         trace?: never;
     };
-    "/api/sim/objects/{id}": {
+    "/api/robots/{robot_id}/assignment/resume": {
         parameters: {
             query?: never;
             header?: never;
@@ -272,25 +203,76 @@ export interface paths {
             cookie?: never;
         };
         get?: never;
-        /** Uo */
-        put: operations["uo_api_sim_objects__id__put"];
-        post?: never;
-        /** Do */
-        delete: operations["do_api_sim_objects__id__delete"];
+        put?: never;
+        /**
+         * Resume the route
+         * @description The robot drives on where it was paused.
+         */
+        post: operations["resume_route"];
+        delete?: never;
         options?: never;
         head?: never;
         patch?: never;
         trace?: never;
     };
-    "/api/users": {
+    "/api/robots/{robot_id}/manual": {
         parameters: {
             query?: never;
             header?: never;
             path?: never;
             cookie?: never;
         };
-        /** Us */
-        get: operations["us_api_users_get"];
+        get?: never;
+        /**
+         * Drive by hand
+         * @description Takes or renews the stick for half a second with this twist, and answers with what is applied: it is clipped to
+         *     what the robot can do. Manual drive outranks the route. Refused while somebody else holds the stick and while the
+         *     emergency stop is engaged.
+         */
+        put: operations["drive_by_hand"];
+        post?: never;
+        /**
+         * Let go of the stick
+         * @description Hands the robot back to its route at once. Refused while somebody else holds the stick.
+         */
+        delete: operations["let_go"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/robots/{robot_id}/registration": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Register a robot
+         * @description Tells where the robot listens: the address that this request comes from, and the port in it.
+         */
+        post: operations["register_robot"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/robots/{robot_id}/commands": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Stream of commands
+         * @description Commands for the robot as server-sent events, for as long as it listens and its token is valid.
+         */
+        get: operations["stream_commands"];
         put?: never;
         post?: never;
         delete?: never;
@@ -299,15 +281,163 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/tokens": {
+    "/api/robots/{robot_id}/responses": {
         parameters: {
             query?: never;
             header?: never;
             path?: never;
             cookie?: never;
         };
-        /** Ts */
-        get: operations["ts_api_tokens_get"];
+        get?: never;
+        put?: never;
+        /**
+         * Answer a command
+         * @description What became of a command: accepted or refused, what is really applied, and when its target was reached.
+         */
+        post: operations["post_response"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/waypoints": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * All waypoints
+         * @description By id.
+         */
+        get: operations["list_waypoints"];
+        put?: never;
+        /**
+         * Place a waypoint
+         * @description It must lie in the area that it names. Refused when the id is taken.
+         */
+        post: operations["create_waypoint"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/waypoints/{waypoint_id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        /**
+         * Change a waypoint
+         * @description Replaces it as a whole, or places it. Robots on their way to it follow at once.
+         */
+        put: operations["put_waypoint"];
+        post?: never;
+        /**
+         * Delete a waypoint
+         * @description Refused while a route uses it.
+         */
+        delete: operations["delete_waypoint"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/routes": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * All routes
+         * @description By id.
+         */
+        get: operations["list_routes"];
+        put?: never;
+        /**
+         * Make a route
+         * @description Every leg's waypoint must exist. Refused when the id is taken.
+         */
+        post: operations["create_route"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/routes/{route_id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        /**
+         * Change a route
+         * @description Replaces it as a whole, or makes it. Refused while it is being driven.
+         */
+        put: operations["put_route"];
+        post?: never;
+        /**
+         * Delete a route
+         * @description Refused while it is being driven.
+         */
+        delete: operations["delete_route"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/estop": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * State of the emergency stop
+         * @description Whether it is engaged, by whom and why. For robots too.
+         */
+        get: operations["get_emergency_stop"];
+        put?: never;
+        /**
+         * Stop everything
+         * @description Every robot halts at once and stays so until a person releases the stop; it survives every restart. When it is
+         *     engaged already, its first reason stays.
+         */
+        post: operations["engage_emergency_stop"];
+        /**
+         * Release the emergency stop
+         * @description Routes that were running go on; needs `{"confirm": true}`.
+         */
+        delete: operations["release_emergency_stop"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/cameras": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * All cameras
+         * @description Every camera of the lab description with its state, its place and the floor that it sees.
+         */
+        get: operations["list_cameras"];
         put?: never;
         post?: never;
         delete?: never;
@@ -316,15 +446,18 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/cameras/{id}/preview.jpg": {
+    "/api/cameras/{camera_id}/preview.jpg": {
         parameters: {
             query?: never;
             header?: never;
             path?: never;
             cookie?: never;
         };
-        /** Prev */
-        get: operations["prev_api_cameras__id__preview_jpg_get"];
+        /**
+         * A camera's newest small picture
+         * @description A few times a second at most; ask with `If-None-Match`.
+         */
+        get: operations["get_preview"];
         put?: never;
         post?: never;
         delete?: never;
@@ -340,8 +473,11 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Floor */
-        get: operations["floor_api_floor_jpg_get"];
+        /**
+         * The floor, stitched from all cameras
+         * @description Seen from above, y upwards; the header `X-Bounds` has its `minx,miny,maxx,maxy` in metres.
+         */
+        get: operations["get_floor"];
         put?: never;
         post?: never;
         delete?: never;
@@ -350,18 +486,141 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/{path}": {
+    "/api/sim/objects": {
         parameters: {
             query?: never;
             header?: never;
             path?: never;
             cookie?: never;
         };
-        /** Spa */
-        get: operations["spa__path__get"];
+        /**
+         * Simulated objects
+         * @description What was put on the simulated floor, by id; 404 where nothing is simulated.
+         */
+        get: operations["list_simulated_objects"];
+        put?: never;
+        /**
+         * Put an object down
+         * @description Refused when the id is taken.
+         */
+        post: operations["create_simulated_object"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/sim/objects/{object_id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        /**
+         * Move an object
+         * @description Replaces it as a whole, or puts it down.
+         */
+        put: operations["put_simulated_object"];
+        post?: never;
+        /**
+         * Take an object away
+         * @description Takes it off the floor.
+         */
+        delete: operations["delete_simulated_object"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/users": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * All users
+         * @description By name.
+         */
+        get: operations["list_users"];
+        put?: never;
+        /**
+         * Create a user
+         * @description Refused when the name is taken.
+         */
+        post: operations["create_user"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/users/{name}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        /**
+         * Change a user
+         * @description Sets role or password, or both; the user's sessions end. The last administrator stays one.
+         */
+        put: operations["change_user"];
+        post?: never;
+        /**
+         * Delete a user
+         * @description Their sessions end. The last administrator stays.
+         */
+        delete: operations["delete_user"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/tokens": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * All API tokens
+         * @description Oldest first, without their texts.
+         */
+        get: operations["list_tokens"];
+        put?: never;
+        /**
+         * Issue an API token
+         * @description The answer is the only place where its text is ever shown. Refused when the name is taken.
+         */
+        post: operations["issue_token"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/tokens/{token_id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
         put?: never;
         post?: never;
-        delete?: never;
+        /**
+         * Revoke an API token
+         * @description It is void from now on.
+         */
+        delete: operations["revoke_token"];
         options?: never;
         head?: never;
         patch?: never;
@@ -371,6 +630,19 @@ export interface paths {
 export type webhooks = Record<string, never>;
 export interface components {
     schemas: {
+        /**
+         * Area
+         * @description A part of the floor that robots may use: a simple polygon in metres, map frame.
+         */
+        Area: {
+            /** Id */
+            id: string;
+            /** Outline */
+            outline: [
+                number,
+                number
+            ][];
+        };
         /**
          * Assignment
          * @description A route given to a robot, and how far it has come. Durable: it survives every restart.
@@ -420,29 +692,170 @@ export interface components {
          * @enum {string}
          */
         AssignmentState: "running" | "paused" | "done" | "stopped" | "failed";
-        /** Body_login_api_session_post */
-        Body_login_api_session_post: {
-            l: components["schemas"]["Login"];
-            response: components["schemas"]["Response"];
+        /**
+         * Blockage
+         * @description The nearest thing in an obstacle box: where it is (m, map frame), how far ahead of the robot's front along the path
+         *     (m), and which robot it is (None: something on the floor).
+         */
+        Blockage: {
+            /** X */
+            x: number;
+            /** Y */
+            y: number;
+            /** Distance M */
+            distance_m: number;
+            /** Robot */
+            robot?: string | null;
         };
-        /** ChannelHealth */
-        ChannelHealth: {
+        /**
+         * CameraSpec
+         * @description A ceiling camera. `source` is `sim`, a path, a URL, or a V4L2 device number.
+         */
+        CameraSpec: {
+            /** Id */
+            id: string;
+            /** Area */
+            area: string;
+            /** Source */
+            source: string | number;
+            /** Width */
+            width: number;
+            /** Height */
+            height: number;
+            /** Rate Hz */
+            rate_hz: number;
+            /**
+             * Color
+             * @default false
+             */
+            color: boolean;
+            intrinsics: components["schemas"]["Intrinsics"];
+        };
+        /**
+         * CameraStateView
+         * @description How the camera does, as its process last said; `error` is null when nothing is wrong.
+         */
+        CameraStateView: {
+            /** Stamp Ns */
+            stamp_ns: number;
+            /**
+             * Age S
+             * @description Seconds, by the server's clock, when the answer was made.
+             */
+            age_s: number;
+            /** Fresh */
+            fresh: boolean;
+            /** Connected */
+            connected: boolean;
+            /** Error */
+            error: string | null;
+            /** Width */
+            width: number;
+            /** Height */
+            height: number;
+            /** Rate Hz */
+            rate_hz: number;
+            /**
+             * Latency Ms
+             * @description Frame to message, median of the last seconds.
+             */
+            latency_ms: number;
+            /** Frames */
+            frames: number;
+            /** Broken */
+            broken: number;
+            /** Skipped */
+            skipped: number;
+            /** Floor Tags Seen */
+            floor_tags_seen: number[];
+            /** Reprojection Px */
+            reprojection_px: number | null;
+            /** Timings Ms */
+            timings_ms: {
+                [key: string]: number;
+            };
+        };
+        /**
+         * CameraView
+         * @description A camera with all that is known of it.
+         */
+        CameraView: {
+            /** Id */
+            id: string;
+            /** Area */
+            area: string;
+            /** Source */
+            source: string;
+            /** Width */
+            width: number;
+            /** Height */
+            height: number;
+            /** Rate Hz */
+            rate_hz: number;
+            intrinsics: components["schemas"]["Intrinsics"];
+            state: components["schemas"]["CameraStateView"] | null;
+            /** @description Null until the camera has been calibrated. */
+            extrinsics: components["schemas"]["ExtrinsicsView"] | null;
+            /**
+             * Outline
+             * @description The floor that it sees; null until it has been calibrated.
+             */
+            outline: [
+                number,
+                number
+            ][] | null;
+        };
+        /**
+         * ChannelView
+         * @description One instance of a channel.
+         */
+        ChannelView: {
             /** Channel */
             channel: string;
             /** Instance */
             instance: string;
-            /** Age S */
+            /** Producer */
+            producer: string;
+            condition: components["schemas"]["Condition"];
+            /**
+             * Age S
+             * @description Of its newest message; null when there never was one.
+             */
             age_s: number | null;
-            /** State */
-            state: string;
-            /** Rate Hz */
-            rate_hz: number;
+            /** Stale After S */
+            stale_after_s: number;
+            /**
+             * Since Ns
+             * @description Stamp of the last message while the channel is stale.
+             */
+            since_ns: number | null;
         };
-        /** Confirm */
-        Confirm: {
-            /** Confirm */
-            confirm: boolean;
+        /**
+         * CommandView
+         * @description What guidance asks of the robot, if that is fresh.
+         */
+        CommandView: {
+            movement: components["schemas"]["Movement"];
+            target: components["schemas"]["Target"] | null;
+            /** Speed Mps */
+            speed_mps: number;
+            /** Final */
+            final: boolean;
+            reason: components["schemas"]["Reason"];
         };
+        /**
+         * Condition
+         * @description ok; warn: late, but not yet too old to use; stale: too old; missing: never heard; idle: speaks only when something
+         *     happens.
+         * @enum {string}
+         */
+        Condition: "ok" | "warn" | "stale" | "missing" | "idle";
+        /**
+         * Connection
+         * @description VDA5050's words: OFFLINE never said anything, CONNECTION_BROKEN fell silent.
+         * @enum {string}
+         */
+        Connection: "ONLINE" | "OFFLINE" | "CONNECTION_BROKEN";
         /**
          * EmergencyStop
          * @description The fleet-wide latch. Engaged until a person releases it; `epoch` grows with every change.
@@ -472,6 +885,18 @@ export interface components {
             reason: string;
         };
         /**
+         * Engage
+         * @description Why everything is to stop.
+         */
+        Engage: {
+            /**
+             * Reason
+             * @default
+             * @example person on the floor
+             */
+            reason: string;
+        };
+        /**
          * Event
          * @description A line of the history: who did what, or what went wrong.
          */
@@ -497,23 +922,196 @@ export interface components {
          * @enum {string}
          */
         EventLevel: "info" | "warning" | "error";
+        /**
+         * ExtrinsicsView
+         * @description T_map_camera: `rotvec` is axis times angle (rad), `translation` metres; x right, y down, z forward in the camera.
+         */
+        ExtrinsicsView: {
+            /** Stamp Ns */
+            stamp_ns: number;
+            /** Rotvec */
+            rotvec: [
+                number,
+                number,
+                number
+            ];
+            /** Translation */
+            translation: [
+                number,
+                number,
+                number
+            ];
+            /** Reprojection Px */
+            reprojection_px: number;
+            /** Floor Tags */
+            floor_tags: number[];
+        };
+        /**
+         * FloorTags
+         * @description Tags glued to the floor (z = 0) that tie the cameras to the map frame: id -> x, y (m), yaw (rad) of the tag's
+         *     centre; yaw 0 means that the edge from its left-bottom to its right-bottom corner points along map +x.
+         */
+        FloorTags: {
+            /**
+             * Family
+             * @default tag36h11
+             * @constant
+             */
+            family: "tag36h11";
+            /** Size M */
+            size_m: number;
+            /** Poses */
+            poses: {
+                [key: string]: [
+                    number,
+                    number,
+                    number
+                ];
+            };
+        };
+        /**
+         * GuidanceView
+         * @description How guidance sees the robot: the obstacle box and what is in it, the temporary waypoint and the path ahead.
+         */
+        GuidanceView: {
+            /**
+             * Blocked
+             * @description Whether the obstacle box counts as taken (draw it red).
+             */
+            blocked: boolean;
+            blockage: components["schemas"]["Blockage"] | null;
+            /**
+             * Box
+             * @description Outline of the obstacle box; empty while there is none.
+             */
+            box: [
+                number,
+                number
+            ][];
+            /** Carrot */
+            carrot: [
+                number,
+                number
+            ] | null;
+            /** Path */
+            path: [
+                number,
+                number
+            ][];
+            /** Leg */
+            leg: number | null;
+        };
         /** HTTPValidationError */
         HTTPValidationError: {
             /** Detail */
             detail?: components["schemas"]["ValidationError"][];
         };
-        /** Health */
-        Health: {
-            /** State */
-            state: string;
+        /**
+         * HealthView
+         * @description The health of the whole: `error` when something is missing that robots need, `warning` when less.
+         */
+        HealthView: {
+            /**
+             * State
+             * @enum {string}
+             */
+            state: "ok" | "warning" | "error";
             /** Stamp Ns */
             stamp_ns: number;
+            /**
+             * Started Ns
+             * @description When this server started.
+             */
+            started_ns: number;
+            redis: components["schemas"]["RedisView"];
             /** Channels */
-            channels: components["schemas"]["ChannelHealth"][];
+            channels: components["schemas"]["ChannelView"][];
             /** Processes */
             processes: components["schemas"]["ProcessState"][];
+            udp: components["schemas"]["UdpView"];
             /** Problems */
-            problems: components["schemas"]["Problem"][];
+            problems: components["schemas"]["ProblemView"][];
+        };
+        /**
+         * Intrinsics
+         * @description Pinhole parameters in pixels and k1, k2, p1, p2, k3 (OpenCV's order).
+         */
+        Intrinsics: {
+            /** Fx */
+            fx: number;
+            /** Fy */
+            fy: number;
+            /** Cx */
+            cx: number;
+            /** Cy */
+            cy: number;
+            /**
+             * Distortion
+             * @default [
+             *       0,
+             *       0,
+             *       0,
+             *       0,
+             *       0
+             *     ]
+             */
+            distortion: [
+                number,
+                number,
+                number,
+                number,
+                number
+            ];
+        };
+        /**
+         * Introduction
+         * @description What a robot says when it starts, and again every five seconds. `session` differs after each of its restarts.
+         */
+        Introduction: {
+            /**
+             * Kind
+             * @default
+             * @example wifibot
+             */
+            kind: string;
+            /**
+             * Udp Port
+             * @description Where it hears POSE datagrams.
+             * @example 40123
+             */
+            udp_port: number;
+            /**
+             * Session
+             * @default
+             */
+            session: string;
+        };
+        /**
+         * LabView
+         * @description What exists in the lab. `bounds` is min x, min y, max x, max y of all areas, in metres.
+         */
+        LabView: {
+            /** Name */
+            name: string;
+            /** Areas */
+            areas: components["schemas"]["Area"][];
+            /** Cameras */
+            cameras: components["schemas"]["CameraSpec"][];
+            floor_tags: components["schemas"]["FloorTags"];
+            /** Vehicles */
+            vehicles: components["schemas"]["VehicleSpec"][];
+            /** Zones */
+            zones: components["schemas"]["ZoneSpec"][];
+            ports: components["schemas"]["Ports"];
+            /** Bounds */
+            bounds: [
+                number,
+                number,
+                number,
+                number
+            ];
+            /** Simulated */
+            simulated: boolean;
         };
         /**
          * Leg
@@ -528,11 +1126,145 @@ export interface components {
              */
             speed_mps: number;
         };
-        /** Login */
+        /**
+         * Limits
+         * @description What a vehicle can do: m/s, rad/s, m/s^2, rad/s^2.
+         */
+        Limits: {
+            /**
+             * Speed Mps
+             * @default 0.5
+             */
+            speed_mps: number;
+            /**
+             * Yaw Rate Radps
+             * @default 1
+             */
+            yaw_rate_radps: number;
+            /**
+             * Acceleration Mps2
+             * @default 0.5
+             */
+            acceleration_mps2: number;
+            /**
+             * Braking Mps2
+             * @default 2
+             */
+            braking_mps2: number;
+            /**
+             * Yaw Acceleration Radps2
+             * @default 4
+             */
+            yaw_acceleration_radps2: number;
+        };
+        /**
+         * LiveChanges
+         * @description What changed since the message before. An absent entry did not change, a null one is gone. Ages grow by themselves:
+         *     nothing is sent because time passes.
+         */
+        LiveChanges: {
+            /**
+             * Type
+             * @constant
+             */
+            type: "changes";
+            /** Stamp Ns */
+            stamp_ns: number;
+            /** Robots */
+            robots?: {
+                [key: string]: components["schemas"]["RobotView"] | null;
+            };
+            /** Cameras */
+            cameras?: {
+                [key: string]: components["schemas"]["CameraView"] | null;
+            };
+            /** Waypoints */
+            waypoints?: {
+                [key: string]: components["schemas"]["Waypoint"] | null;
+            };
+            /** Routes */
+            routes?: {
+                [key: string]: components["schemas"]["Route"] | null;
+            };
+            /** Objects */
+            objects?: {
+                [key: string]: components["schemas"]["SimulatedObject"] | null;
+            };
+            /** Zones */
+            zones?: {
+                [key: string]: components["schemas"]["ZoneSpec"] | null;
+            };
+            /** @default null */
+            estop: components["schemas"]["EmergencyStop"] | null;
+            /** @default null */
+            obstacles: components["schemas"]["ObstaclesView"] | null;
+            /** @default null */
+            health: components["schemas"]["HealthView"] | null;
+            /**
+             * Events
+             * @description New lines of the history, oldest first.
+             */
+            events?: components["schemas"]["Event"][];
+        };
+        /**
+         * LiveSnapshot
+         * @description All that there is; the first message of a connection. Ages within are as of `stamp_ns`, by the server's clock.
+         */
+        LiveSnapshot: {
+            /**
+             * Type
+             * @constant
+             */
+            type: "snapshot";
+            /** Stamp Ns */
+            stamp_ns: number;
+            /** Robots */
+            robots: {
+                [key: string]: components["schemas"]["RobotView"];
+            };
+            /** Cameras */
+            cameras: {
+                [key: string]: components["schemas"]["CameraView"];
+            };
+            /** Waypoints */
+            waypoints: {
+                [key: string]: components["schemas"]["Waypoint"];
+            };
+            /** Routes */
+            routes: {
+                [key: string]: components["schemas"]["Route"];
+            };
+            /** Objects */
+            objects: {
+                [key: string]: components["schemas"]["SimulatedObject"];
+            };
+            /** Zones */
+            zones: {
+                [key: string]: components["schemas"]["ZoneSpec"];
+            };
+            estop: components["schemas"]["EmergencyStop"];
+            obstacles: components["schemas"]["ObstaclesView"] | null;
+            health: components["schemas"]["HealthView"];
+            /**
+             * Events
+             * @description The newest of the history, oldest first.
+             */
+            events: components["schemas"]["Event"][];
+        };
+        /**
+         * Login
+         * @description A user's name and password.
+         */
         Login: {
-            /** User */
+            /**
+             * User
+             * @example admin
+             */
             user: string;
-            /** Password */
+            /**
+             * Password
+             * @example kodu-fami-zelo-tiva-4821
+             */
             password: string;
         };
         /**
@@ -552,26 +1284,257 @@ export interface components {
             expires_ns: number;
         };
         /**
+         * ManualView
+         * @description Who drives by hand, while their lease is fresh.
+         */
+        ManualView: {
+            /** Holder */
+            holder: string;
+            /** Linear Mps */
+            linear_mps: number;
+            /** Angular Radps */
+            angular_radps: number;
+            /** Expires Ns */
+            expires_ns: number;
+        };
+        /**
+         * Mode
+         * @description VDA5050's operating modes, as far as they apply.
+         * @enum {string}
+         */
+        Mode: "AUTOMATIC" | "MANUAL";
+        /**
          * Movement
          * @description What a command asks for. The first four are GPSS's; `Drive` carries a hand-driven twist.
          * @enum {string}
          */
         Movement: "MoveTo" | "Waiting" | "NoAction" | "Rotate" | "Drive";
         /**
+         * NewToken
+         * @description A token to issue: role `robot` names its robot, the others do not.
+         */
+        NewToken: {
+            /**
+             * Name
+             * @example night shift script
+             */
+            name: string;
+            role: components["schemas"]["Role"];
+            /** Robot */
+            robot?: string | null;
+        };
+        /**
+         * NewTokenView
+         * @description A new token with its text, shown this once.
+         */
+        NewTokenView: {
+            /** Id */
+            id: string;
+            /** Name */
+            name: string;
+            role: components["schemas"]["Role"];
+            /** Robot */
+            robot: string | null;
+            /**
+             * Token
+             * @example lilliput_Zm9yIGV4YW1wbGUgb25seSwgbm90IGEgcmVhbCB0b2tlbg
+             */
+            token: string;
+        };
+        /**
+         * NewUser
+         * @description A user to create; without a password a random one is made.
+         */
+        NewUser: {
+            /**
+             * Name
+             * @example eva
+             */
+            name: string;
+            role: components["schemas"]["Role"];
+            /** Password */
+            password?: string | null;
+        };
+        /**
+         * NewUserView
+         * @description The user created, with the password that was made for them, shown this once (null: the one given).
+         */
+        NewUserView: {
+            /** Name */
+            name: string;
+            role: components["schemas"]["Role"];
+            /** Created Ns */
+            created_ns: number;
+            /** Password */
+            password: string | null;
+        };
+        /**
+         * ObstacleBox
+         * @description The blue box in front of a robot (spec gpss): where it starts ahead of the rotation centre, its length along the
+         *     path and its width, in metres, and whether it ends at the next waypoint or runs past it.
+         */
+        ObstacleBox: {
+            /**
+             * Start M
+             * @default 1
+             */
+            start_m: number;
+            /**
+             * Length M
+             * @default 1
+             */
+            length_m: number;
+            /**
+             * Width M
+             * @default 0.6
+             */
+            width_m: number;
+            /**
+             * Stop At Waypoint
+             * @default false
+             */
+            stop_at_waypoint: boolean;
+        };
+        /**
+         * ObstaclesView
+         * @description A grid on the floor. Cell (row, column) covers x from origin_x + column * cell_m and y from origin_y + row * cell_m;
+         *     rows grow with y.
+         */
+        ObstaclesView: {
+            /**
+             * Stamp Ns
+             * @description When its cells last changed.
+             */
+            stamp_ns: number;
+            /** Origin X */
+            origin_x: number;
+            /** Origin Y */
+            origin_y: number;
+            /** Cell M */
+            cell_m: number;
+            /** Columns */
+            columns: number;
+            /** Rows */
+            rows: number;
+            /**
+             * Occupied
+             * @description Base64 of a bit field, row-major, most significant bit first.
+             */
+            occupied: string;
+            /**
+             * Observed
+             * @description As `occupied`; a cell that is not observed says nothing.
+             */
+            observed: string;
+        };
+        /**
          * Outcome
          * @description What became of a command. `accepted` has an empty reached_ns, as in the report.
          * @enum {string}
          */
         Outcome: "accepted" | "refused" | "reached";
-        /** Problem */
+        /**
+         * Ports
+         * @description Where the system listens: HTTP of the console and API, UDP from robots, the loopback-only port of the 3D scene,
+         *     and UDP of the simulated lab's vehicles.
+         */
+        Ports: {
+            /**
+             * Http
+             * @default 8000
+             */
+            http: number;
+            /**
+             * Robots Udp
+             * @default 2020
+             */
+            robots_udp: number;
+            /**
+             * Scene
+             * @default 8010
+             */
+            scene: number;
+            /**
+             * Lab Udp
+             * @default 2030
+             */
+            lab_udp: number;
+        };
+        /**
+         * PoseView
+         * @description Where the cameras see the robot's rotation centre: metres and radians in the map frame, m/s, rad/s.
+         */
+        PoseView: {
+            /** X */
+            x: number;
+            /** Y */
+            y: number;
+            /** Yaw */
+            yaw: number;
+            /** Vx */
+            vx: number;
+            /** Vy */
+            vy: number;
+            /** Yaw Rate */
+            yaw_rate: number;
+            /** Stamp Ns */
+            stamp_ns: number;
+            /**
+             * Age S
+             * @description Seconds, by the server's clock, when the answer was made.
+             */
+            age_s: number;
+            /**
+             * Fresh
+             * @description Whether it is young enough to drive by.
+             */
+            fresh: boolean;
+            /** Cameras */
+            cameras: string[];
+            /** Area */
+            area: string | null;
+            /**
+             * Position Std M
+             * @description Standard deviation of the position along its worse axis.
+             */
+            position_std_m: number;
+        };
+        /**
+         * Problem
+         * @description Why a request was refused.
+         */
         Problem: {
-            /** Severity */
-            severity: string;
-            /** Source */
+            /**
+             * Detail
+             * @example route 'charge' is being driven by wifibot-14; stop it before it is changed
+             */
+            detail: string;
+        };
+        /**
+         * ProblemView
+         * @description Something that an operator should know, in a sentence.
+         */
+        ProblemView: {
+            /**
+             * Severity
+             * @enum {string}
+             */
+            severity: "warning" | "error";
+            /**
+             * Source
+             * @description The camera, robot or process that it is about.
+             * @example cam2
+             */
             source: string;
-            /** Since Ns */
-            since_ns: number;
-            /** Text */
+            /**
+             * Since Ns
+             * @description Since when, if that is known.
+             */
+            since_ns: number | null;
+            /**
+             * Text
+             * @example no frames from cam2 since 12:03:10
+             */
             text: string;
         };
         /**
@@ -600,6 +1563,58 @@ export interface components {
              * @default
              */
             last_error: string;
+        };
+        /**
+         * Reason
+         * @description A code for machines and a sentence for people, e.g. ("obstacle", "0.42 m ahead at (3.1, 0.9)").
+         */
+        Reason: {
+            code: components["schemas"]["ReasonCode"];
+            /**
+             * Text
+             * @default
+             */
+            text: string;
+        };
+        /**
+         * ReasonCode
+         * @description Why a robot drives, waits or stands; machine-readable.
+         * @enum {string}
+         */
+        ReasonCode: "route" | "route_done" | "manual" | "idle" | "paused" | "obstacle" | "robot_ahead" | "emergency_stop" | "pose_stale" | "command_stale" | "obstacles_unknown" | "outside_area" | "waypoint_missing" | "not_connected" | "driver_fault";
+        /**
+         * RedisView
+         * @description Whether Redis answers.
+         */
+        RedisView: {
+            /** Reachable */
+            reachable: boolean;
+            /**
+             * Since Ns
+             * @description Since when it does not.
+             */
+            since_ns: number | null;
+        };
+        /**
+         * RegistrationView
+         * @description Where the robot sends its STATUS datagrams, and how often to expect poses.
+         */
+        RegistrationView: {
+            /** Robots Udp */
+            robots_udp: number;
+            /** Pose Rate Hz */
+            pose_rate_hz: number;
+        };
+        /**
+         * Release
+         * @description A person's word that it is safe to move again.
+         */
+        Release: {
+            /**
+             * Confirm
+             * @constant
+             */
+            confirm: true;
         };
         /**
          * Response
@@ -647,6 +1662,54 @@ export interface components {
             stop_at_waypoint?: boolean | null;
         };
         /**
+         * RobotState
+         * @description What a robot does, in a word; `lost`: no camera has seen it lately.
+         * @enum {string}
+         */
+        RobotState: "offline" | "emergency_stop" | "fault" | "manual" | "lost" | "driving" | "waiting" | "paused" | "idle";
+        /**
+         * RobotView
+         * @description A robot with all that is known of it.
+         */
+        RobotView: {
+            /** Id */
+            id: string;
+            /** Kind */
+            kind: string;
+            /**
+             * Footprint
+             * @description Metres, seen from the rotation centre: x forward, y left.
+             */
+            footprint: [
+                number,
+                number
+            ][];
+            limits: components["schemas"]["Limits"];
+            connection: components["schemas"]["Connection"];
+            /** Last Heard Ns */
+            last_heard_ns: number | null;
+            state: components["schemas"]["RobotState"];
+            /** @description Why it waits or stands still; null while it drives. */
+            reason: components["schemas"]["Reason"] | null;
+            pose: components["schemas"]["PoseView"] | null;
+            status: components["schemas"]["StatusView"] | null;
+            command: components["schemas"]["CommandView"] | null;
+            /** @description Its newest one, also when that is over. */
+            assignment: components["schemas"]["Assignment"] | null;
+            guidance: components["schemas"]["GuidanceView"] | null;
+            manual: components["schemas"]["ManualView"] | null;
+            /** @description In force: the lab's, with the operator's settings over it. */
+            obstacle_box: components["schemas"]["ObstacleBox"];
+            /** @description What the operator has set; null falls back to the lab description. */
+            settings: components["schemas"]["RobotSettings"];
+        };
+        /**
+         * Role
+         * @description What somebody may do: look; change and drive; manage users and tokens; or be one robot.
+         * @enum {string}
+         */
+        Role: "viewer" | "operator" | "admin" | "robot";
+        /**
          * Route
          * @description Ordered legs, driven once or looped.
          */
@@ -661,15 +1724,19 @@ export interface components {
              */
             loop: boolean;
         };
-        /** Session */
-        Session: {
-            /** User */
-            user: string;
+        /**
+         * SessionView
+         * @description Who is logged in; `robot` is the one that a robot's token is bound to.
+         */
+        SessionView: {
             /**
-             * Role
-             * @enum {string}
+             * User
+             * @example admin
              */
-            role: "viewer" | "operator" | "admin" | "robot";
+            user: string;
+            role: components["schemas"]["Role"];
+            /** Robot */
+            robot?: string | null;
         };
         /**
          * SimulatedObject
@@ -706,9 +1773,15 @@ export interface components {
              */
             speed_mps: number;
         };
-        /** Start */
+        /**
+         * Start
+         * @description Which route to drive; `speed_scale` multiplies the speed of every leg.
+         */
         Start: {
-            /** Route */
+            /**
+             * Route
+             * @example charge
+             */
             route: string;
             /**
              * Speed Scale
@@ -716,32 +1789,148 @@ export interface components {
              */
             speed_scale: number;
         };
-        /** Token */
-        Token: {
-            /** Id */
-            id: string;
-            /** Name */
-            name: string;
-            /** Role */
-            role: string;
-            /** Robot */
-            robot: string | null;
-            /** Created Ns */
-            created_ns: number;
-        };
-        /** Twist */
-        Twist: {
+        /**
+         * StatusView
+         * @description What the robot says of itself, as last heard.
+         */
+        StatusView: {
+            /** Stamp Ns */
+            stamp_ns: number;
+            /**
+             * Age S
+             * @description Seconds, by the server's clock, when the answer was made.
+             */
+            age_s: number;
+            /**
+             * X
+             * @description Where it believes to be; null until it has been localized once.
+             */
+            x: number | null;
+            /** Y */
+            y: number | null;
+            /** Yaw */
+            yaw: number | null;
             /** Linear Mps */
             linear_mps: number;
             /** Angular Radps */
             angular_radps: number;
+            /** Ip */
+            ip: string;
+            /**
+             * Battery
+             * @description Share of full charge.
+             */
+            battery: number | null;
+            mode: components["schemas"]["Mode"];
+            /** Faults */
+            faults: string[];
+            /** @description Why the robot itself holds still, if it does. */
+            stopped_by: components["schemas"]["Reason"] | null;
+            /** Pose Age S */
+            pose_age_s: number | null;
+            /** Command Age S */
+            command_age_s: number | null;
         };
-        /** User */
-        User: {
+        /**
+         * Target
+         * @description Where to drive, metres in the map frame, and the heading to end with (rad) if it matters.
+         */
+        Target: {
+            /** X */
+            x: number;
+            /** Y */
+            y: number;
+            /** Yaw */
+            yaw?: number | null;
+        };
+        /**
+         * TokenView
+         * @description A token without its text; `last_used_ns` is exact to the minute.
+         */
+        TokenView: {
+            /** Id */
+            id: string;
             /** Name */
             name: string;
-            /** Role */
-            role: string;
+            role: components["schemas"]["Role"];
+            /** Robot */
+            robot: string | null;
+            /** Created Ns */
+            created_ns: number;
+            /** Created By */
+            created_by: string;
+            /** Last Used Ns */
+            last_used_ns: number | null;
+        };
+        /**
+         * Twist
+         * @description What the hand on the stick asks for: m/s forward, rad/s to the left.
+         */
+        Twist: {
+            /**
+             * Linear Mps
+             * @example 0.2
+             */
+            linear_mps: number;
+            /**
+             * Angular Radps
+             * @example -0.5
+             */
+            angular_radps: number;
+        };
+        /**
+         * UdpView
+         * @description What became of the datagrams that robots sent, counted since the server started.
+         */
+        UdpView: {
+            /** Listening */
+            listening: boolean;
+            /** Received */
+            received: number;
+            /** Accepted */
+            accepted: number;
+            /**
+             * Undecodable
+             * @description Short, garbled, of another version, forged, or unsigned although a key is set.
+             */
+            undecodable: number;
+            /** Wrong Kind */
+            wrong_kind: number;
+            /** Unknown Robot */
+            unknown_robot: number;
+            /**
+             * Wrong Sender
+             * @description The envelope's sender is not the robot that the status is of.
+             */
+            wrong_sender: number;
+            /** Old */
+            old: number;
+            /** Future */
+            future: number;
+            /** Duplicate */
+            duplicate: number;
+            /** Out Of Order */
+            out_of_order: number;
+            /** Last Problem */
+            last_problem: string | null;
+        };
+        /**
+         * UserChange
+         * @description What to change of a user; their sessions end.
+         */
+        UserChange: {
+            role?: components["schemas"]["Role"] | null;
+            /** Password */
+            password?: string | null;
+        };
+        /**
+         * UserView
+         * @description A user.
+         */
+        UserView: {
+            /** Name */
+            name: string;
+            role: components["schemas"]["Role"];
             /** Created Ns */
             created_ns: number;
         };
@@ -757,6 +1946,81 @@ export interface components {
             input?: unknown;
             /** Context */
             ctx?: Record<string, never>;
+        };
+        /**
+         * VehicleSpec
+         * @description A robot. `footprint` is its outline in metres seen from its rotation centre (x forward, y left).
+         */
+        VehicleSpec: {
+            /** Id */
+            id: string;
+            /**
+             * Kind
+             * @enum {string}
+             */
+            kind: "wifibot" | "turtlebot" | "agv" | "freke";
+            /** Footprint */
+            footprint: [
+                number,
+                number
+            ][];
+            /**
+             * Driver
+             * @default sim
+             */
+            driver: string;
+            tag: components["schemas"]["VehicleTag"];
+            /**
+             * @default {
+             *       "speed_mps": 0.5,
+             *       "yaw_rate_radps": 1,
+             *       "acceleration_mps2": 0.5,
+             *       "braking_mps2": 2,
+             *       "yaw_acceleration_radps2": 4
+             *     }
+             */
+            limits: components["schemas"]["Limits"];
+            /**
+             * @default {
+             *       "start_m": 1,
+             *       "length_m": 1,
+             *       "width_m": 0.6,
+             *       "stop_at_waypoint": false
+             *     }
+             */
+            obstacle_box: components["schemas"]["ObstacleBox"];
+        };
+        /**
+         * VehicleTag
+         * @description The tag on a vehicle's roof. `height_m` is its height above the floor; `offset` is x, y (m) and yaw (rad) of its
+         *     centre seen from the vehicle's rotation centre.
+         */
+        VehicleTag: {
+            /**
+             * Family
+             * @default tag36h11
+             * @constant
+             */
+            family: "tag36h11";
+            /** Id */
+            id: number;
+            /** Size M */
+            size_m: number;
+            /** Height M */
+            height_m: number;
+            /**
+             * Offset
+             * @default [
+             *       0,
+             *       0,
+             *       0
+             *     ]
+             */
+            offset: [
+                number,
+                number,
+                number
+            ];
         };
         /**
          * Waypoint
@@ -780,13 +2044,22 @@ export interface components {
             /** Yaw */
             yaw?: number | null;
         };
-        /** Why */
-        Why: {
-            /**
-             * Reason
-             * @default
-             */
-            reason: string;
+        /**
+         * ZoneSpec
+         * @description An exclusive zone cut into sub-areas (polygons in metres, map frame); vehicles nearer than `detection_m` matter.
+         */
+        ZoneSpec: {
+            /** Id */
+            id: string;
+            /** Detection M */
+            detection_m: number;
+            /** Subareas */
+            subareas: {
+                [key: string]: [
+                    number,
+                    number
+                ][];
+            };
         };
     };
     responses: never;
@@ -795,38 +2068,79 @@ export interface components {
     headers: never;
     pathItems: never;
 }
+export type Area = components['schemas']['Area'];
 export type Assignment = components['schemas']['Assignment'];
 export type AssignmentState = components['schemas']['AssignmentState'];
-export type BodyLoginApiSessionPost = components['schemas']['Body_login_api_session_post'];
-export type ChannelHealth = components['schemas']['ChannelHealth'];
-export type Confirm = components['schemas']['Confirm'];
+export type Blockage = components['schemas']['Blockage'];
+export type CameraSpec = components['schemas']['CameraSpec'];
+export type CameraStateView = components['schemas']['CameraStateView'];
+export type CameraView = components['schemas']['CameraView'];
+export type ChannelView = components['schemas']['ChannelView'];
+export type CommandView = components['schemas']['CommandView'];
+export type Condition = components['schemas']['Condition'];
+export type Connection = components['schemas']['Connection'];
 export type EmergencyStop = components['schemas']['EmergencyStop'];
+export type Engage = components['schemas']['Engage'];
 export type Event = components['schemas']['Event'];
 export type EventLevel = components['schemas']['EventLevel'];
+export type ExtrinsicsView = components['schemas']['ExtrinsicsView'];
+export type FloorTags = components['schemas']['FloorTags'];
+export type GuidanceView = components['schemas']['GuidanceView'];
 export type HttpValidationError = components['schemas']['HTTPValidationError'];
-export type Health = components['schemas']['Health'];
+export type HealthView = components['schemas']['HealthView'];
+export type Intrinsics = components['schemas']['Intrinsics'];
+export type Introduction = components['schemas']['Introduction'];
+export type LabView = components['schemas']['LabView'];
 export type Leg = components['schemas']['Leg'];
+export type Limits = components['schemas']['Limits'];
+export type LiveChanges = components['schemas']['LiveChanges'];
+export type LiveSnapshot = components['schemas']['LiveSnapshot'];
 export type Login = components['schemas']['Login'];
 export type ManualDrive = components['schemas']['ManualDrive'];
+export type ManualView = components['schemas']['ManualView'];
+export type Mode = components['schemas']['Mode'];
 export type Movement = components['schemas']['Movement'];
+export type NewToken = components['schemas']['NewToken'];
+export type NewTokenView = components['schemas']['NewTokenView'];
+export type NewUser = components['schemas']['NewUser'];
+export type NewUserView = components['schemas']['NewUserView'];
+export type ObstacleBox = components['schemas']['ObstacleBox'];
+export type ObstaclesView = components['schemas']['ObstaclesView'];
 export type Outcome = components['schemas']['Outcome'];
+export type Ports = components['schemas']['Ports'];
+export type PoseView = components['schemas']['PoseView'];
 export type Problem = components['schemas']['Problem'];
+export type ProblemView = components['schemas']['ProblemView'];
 export type ProcessState = components['schemas']['ProcessState'];
+export type Reason = components['schemas']['Reason'];
+export type ReasonCode = components['schemas']['ReasonCode'];
+export type RedisView = components['schemas']['RedisView'];
+export type RegistrationView = components['schemas']['RegistrationView'];
+export type Release = components['schemas']['Release'];
 export type Response = components['schemas']['Response'];
 export type RobotSettings = components['schemas']['RobotSettings'];
+export type RobotState = components['schemas']['RobotState'];
+export type RobotView = components['schemas']['RobotView'];
+export type Role = components['schemas']['Role'];
 export type Route = components['schemas']['Route'];
-export type Session = components['schemas']['Session'];
+export type SessionView = components['schemas']['SessionView'];
 export type SimulatedObject = components['schemas']['SimulatedObject'];
 export type Start = components['schemas']['Start'];
-export type Token = components['schemas']['Token'];
+export type StatusView = components['schemas']['StatusView'];
+export type Target = components['schemas']['Target'];
+export type TokenView = components['schemas']['TokenView'];
 export type Twist = components['schemas']['Twist'];
-export type User = components['schemas']['User'];
+export type UdpView = components['schemas']['UdpView'];
+export type UserChange = components['schemas']['UserChange'];
+export type UserView = components['schemas']['UserView'];
 export type ValidationError = components['schemas']['ValidationError'];
+export type VehicleSpec = components['schemas']['VehicleSpec'];
+export type VehicleTag = components['schemas']['VehicleTag'];
 export type Waypoint = components['schemas']['Waypoint'];
-export type Why = components['schemas']['Why'];
+export type ZoneSpec = components['schemas']['ZoneSpec'];
 export type $defs = Record<string, never>;
 export interface operations {
-    who_api_session_get: {
+    who_am_i: {
         parameters: {
             query?: never;
             header?: never;
@@ -841,12 +2155,39 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Session"];
+                    "application/json": components["schemas"]["SessionView"];
+                };
+            };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
                 };
             };
         };
     };
-    login_api_session_post: {
+    log_in: {
         parameters: {
             query?: never;
             header?: never;
@@ -855,7 +2196,7 @@ export interface operations {
         };
         requestBody: {
             content: {
-                "application/json": components["schemas"]["Body_login_api_session_post"];
+                "application/json": components["schemas"]["Login"];
             };
         };
         responses: {
@@ -865,7 +2206,16 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Session"];
+                    "application/json": components["schemas"]["SessionView"];
+                };
+            };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
                 };
             };
             /** @description Validation Error */
@@ -877,286 +2227,31 @@ export interface operations {
                     "application/json": components["schemas"]["HTTPValidationError"];
                 };
             };
+            /** @description Too many wrong passwords; the header `Retry-After` says how long to wait. */
+            429: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
         };
     };
-    logout_api_session_delete: {
+    log_out: {
         parameters: {
             query?: never;
             header?: never;
             path?: never;
-            cookie?: never;
-        };
-        requestBody: {
-            content: {
-                "application/json": components["schemas"]["Response"];
-            };
-        };
-        responses: {
-            /** @description Successful Response */
-            204: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content?: never;
-            };
-            /** @description Validation Error */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
-                };
-            };
-        };
-    };
-    getlab_api_lab_get: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            /** @description Successful Response */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": {
-                        [key: string]: unknown;
-                    };
-                };
-            };
-        };
-    };
-    gh_api_health_get: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            /** @description Successful Response */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Health"];
-                };
-            };
-        };
-    };
-    ps_api_robots__id__settings_put: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path: {
-                id: string;
-            };
-            cookie?: never;
-        };
-        requestBody: {
-            content: {
-                "application/json": components["schemas"]["RobotSettings"];
-            };
-        };
-        responses: {
-            /** @description Successful Response */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["RobotSettings"];
-                };
-            };
-            /** @description Validation Error */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
-                };
-            };
-        };
-    };
-    pa_api_robots__id__assignment_put: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path: {
-                id: string;
-            };
-            cookie?: never;
-        };
-        requestBody: {
-            content: {
-                "application/json": components["schemas"]["Start"];
-            };
-        };
-        responses: {
-            /** @description Successful Response */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Assignment"];
-                };
-            };
-            /** @description Validation Error */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
-                };
-            };
-        };
-    };
-    pd_api_robots__id__assignment_delete: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path: {
-                id: string;
-            };
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            /** @description Successful Response */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Assignment"];
-                };
-            };
-            /** @description Validation Error */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
-                };
-            };
-        };
-    };
-    pp_api_robots__id__assignment_pause_post: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path: {
-                id: string;
-            };
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            /** @description Successful Response */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Assignment"];
-                };
-            };
-            /** @description Validation Error */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
-                };
-            };
-        };
-    };
-    pr_api_robots__id__assignment_resume_post: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path: {
-                id: string;
-            };
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            /** @description Successful Response */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Assignment"];
-                };
-            };
-            /** @description Validation Error */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
-                };
-            };
-        };
-    };
-    pm_api_robots__id__manual_put: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path: {
-                id: string;
-            };
-            cookie?: never;
-        };
-        requestBody: {
-            content: {
-                "application/json": components["schemas"]["Twist"];
-            };
-        };
-        responses: {
-            /** @description Successful Response */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["ManualDrive"];
-                };
-            };
-            /** @description Validation Error */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
-                };
-            };
-        };
-    };
-    dm_api_robots__id__manual_delete: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path: {
-                id: string;
-            };
             cookie?: never;
         };
         requestBody?: never;
@@ -1168,212 +2263,36 @@ export interface operations {
                 };
                 content?: never;
             };
-            /** @description Validation Error */
-            422: {
+            /** @description Not logged in, or the token is not valid. */
+            401: {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
                 };
             };
         };
     };
-    aw_api_waypoints_post: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        requestBody: {
-            content: {
-                "application/json": components["schemas"]["Waypoint"];
-            };
-        };
-        responses: {
-            /** @description Successful Response */
-            201: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Waypoint"];
-                };
-            };
-            /** @description Validation Error */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
-                };
-            };
-        };
-    };
-    uw_api_waypoints__id__put: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path: {
-                id: string;
-            };
-            cookie?: never;
-        };
-        requestBody: {
-            content: {
-                "application/json": components["schemas"]["Waypoint"];
-            };
-        };
-        responses: {
-            /** @description Successful Response */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Waypoint"];
-                };
-            };
-            /** @description Validation Error */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
-                };
-            };
-        };
-    };
-    dw_api_waypoints__id__delete: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path: {
-                id: string;
-            };
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            /** @description Successful Response */
-            204: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content?: never;
-            };
-            /** @description Validation Error */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
-                };
-            };
-        };
-    };
-    ar_api_routes_post: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        requestBody: {
-            content: {
-                "application/json": components["schemas"]["Route"];
-            };
-        };
-        responses: {
-            /** @description Successful Response */
-            201: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Route"];
-                };
-            };
-            /** @description Validation Error */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
-                };
-            };
-        };
-    };
-    ur_api_routes__id__put: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path: {
-                id: string;
-            };
-            cookie?: never;
-        };
-        requestBody: {
-            content: {
-                "application/json": components["schemas"]["Route"];
-            };
-        };
-        responses: {
-            /** @description Successful Response */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Route"];
-                };
-            };
-            /** @description Validation Error */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
-                };
-            };
-        };
-    };
-    dr_api_routes__id__delete: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path: {
-                id: string;
-            };
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            /** @description Successful Response */
-            204: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content?: never;
-            };
-            /** @description Validation Error */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
-                };
-            };
-        };
-    };
-    ge_api_estop_get: {
+    get_lab: {
         parameters: {
             query?: never;
             header?: never;
@@ -1388,23 +2307,46 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["EmergencyStop"];
+                    "application/json": components["schemas"]["LabView"];
+                };
+            };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
                 };
             };
         };
     };
-    pe_api_estop_post: {
+    get_health: {
         parameters: {
             query?: never;
             header?: never;
             path?: never;
             cookie?: never;
         };
-        requestBody: {
-            content: {
-                "application/json": components["schemas"]["Why"];
-            };
-        };
+        requestBody?: never;
         responses: {
             /** @description Successful Response */
             200: {
@@ -1412,54 +2354,12 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["EmergencyStop"];
-                };
-            };
-            /** @description Validation Error */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["HealthView"];
                 };
             };
         };
     };
-    de_api_estop_delete: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        requestBody: {
-            content: {
-                "application/json": components["schemas"]["Confirm"];
-            };
-        };
-        responses: {
-            /** @description Successful Response */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["EmergencyStop"];
-                };
-            };
-            /** @description Validation Error */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
-                };
-            };
-        };
-    };
-    ev_api_events_get: {
+    list_events: {
         parameters: {
             query?: {
                 count?: number;
@@ -1479,6 +2379,24 @@ export interface operations {
                     "application/json": components["schemas"]["Event"][];
                 };
             };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description Validation Error */
             422: {
                 headers: {
@@ -1488,9 +2406,1809 @@ export interface operations {
                     "application/json": components["schemas"]["HTTPValidationError"];
                 };
             };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
         };
     };
-    ao_api_sim_objects_post: {
+    list_robots: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["RobotView"][];
+                };
+            };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_robot: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                robot_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["RobotView"];
+                };
+            };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    put_robot_settings: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                robot_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["RobotSettings"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["RobotSettings"];
+                };
+            };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    start_route: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                robot_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["Start"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Assignment"];
+                };
+            };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Its state forbids this; the detail says why. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    stop_route: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                robot_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Assignment"];
+                };
+            };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Its state forbids this; the detail says why. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    pause_route: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                robot_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Assignment"];
+                };
+            };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Its state forbids this; the detail says why. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    resume_route: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                robot_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Assignment"];
+                };
+            };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Its state forbids this; the detail says why. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    drive_by_hand: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                robot_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["Twist"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ManualDrive"];
+                };
+            };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Its state forbids this; the detail says why. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    let_go: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                robot_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Its state forbids this; the detail says why. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    register_robot: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                robot_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["Introduction"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["RegistrationView"];
+                };
+            };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    stream_commands: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                robot_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Server-sent events: first `emergency_stop` (EmergencyStop), again at each of its changes; `command` (Command), only the newest if the robot is slow; a comment every half second while nothing happens. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example event: emergency_stop
+                     *     data: {"engaged":false,"epoch":0}
+                     */
+                    "text/event-stream": string;
+                };
+            };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    post_response: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                robot_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["Response"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_waypoints: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Waypoint"][];
+                };
+            };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    create_waypoint: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["Waypoint"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Waypoint"];
+                };
+            };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Its state forbids this; the detail says why. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    put_waypoint: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                waypoint_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["Waypoint"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Waypoint"];
+                };
+            };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    delete_waypoint: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                waypoint_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Its state forbids this; the detail says why. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_routes: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Route"][];
+                };
+            };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    create_route: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["Route"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Route"];
+                };
+            };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Its state forbids this; the detail says why. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    put_route: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                route_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["Route"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Route"];
+                };
+            };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Its state forbids this; the detail says why. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    delete_route: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                route_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Its state forbids this; the detail says why. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_emergency_stop: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["EmergencyStop"];
+                };
+            };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    engage_emergency_stop: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["Engage"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["EmergencyStop"];
+                };
+            };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    release_emergency_stop: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["Release"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["EmergencyStop"];
+                };
+            };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_cameras: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["CameraView"][];
+                };
+            };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_preview: {
+        parameters: {
+            query?: never;
+            header?: {
+                "if-none-match"?: string | null;
+            };
+            path: {
+                camera_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A JPEG. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "image/jpeg": string;
+                };
+            };
+            /** @description The picture is still the one of `If-None-Match`. */
+            304: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_floor: {
+        parameters: {
+            query?: never;
+            header?: {
+                "if-none-match"?: string | null;
+            };
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A JPEG. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "image/jpeg": string;
+                };
+            };
+            /** @description The picture is still the one of `If-None-Match`. */
+            304: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_simulated_objects: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SimulatedObject"][];
+                };
+            };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    create_simulated_object: {
         parameters: {
             query?: never;
             header?: never;
@@ -1512,6 +4230,42 @@ export interface operations {
                     "application/json": components["schemas"]["SimulatedObject"];
                 };
             };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Its state forbids this; the detail says why. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description Validation Error */
             422: {
                 headers: {
@@ -1521,14 +4275,23 @@ export interface operations {
                     "application/json": components["schemas"]["HTTPValidationError"];
                 };
             };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
         };
     };
-    uo_api_sim_objects__id__put: {
+    put_simulated_object: {
         parameters: {
             query?: never;
             header?: never;
             path: {
-                id: string;
+                object_id: string;
             };
             cookie?: never;
         };
@@ -1547,6 +4310,33 @@ export interface operations {
                     "application/json": components["schemas"]["SimulatedObject"];
                 };
             };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description Validation Error */
             422: {
                 headers: {
@@ -1556,14 +4346,23 @@ export interface operations {
                     "application/json": components["schemas"]["HTTPValidationError"];
                 };
             };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
         };
     };
-    do_api_sim_objects__id__delete: {
+    delete_simulated_object: {
         parameters: {
             query?: never;
             header?: never;
             path: {
-                id: string;
+                object_id: string;
             };
             cookie?: never;
         };
@@ -1576,6 +4375,33 @@ export interface operations {
                 };
                 content?: never;
             };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description Validation Error */
             422: {
                 headers: {
@@ -1585,9 +4411,18 @@ export interface operations {
                     "application/json": components["schemas"]["HTTPValidationError"];
                 };
             };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
         };
     };
-    us_api_users_get: {
+    list_users: {
         parameters: {
             query?: never;
             header?: never;
@@ -1602,41 +4437,121 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["User"][];
+                    "application/json": components["schemas"]["UserView"][];
+                };
+            };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
                 };
             };
         };
     };
-    ts_api_tokens_get: {
+    create_user: {
         parameters: {
             query?: never;
             header?: never;
             path?: never;
             cookie?: never;
         };
-        requestBody?: never;
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["NewUser"];
+            };
+        };
         responses: {
             /** @description Successful Response */
-            200: {
+            201: {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Token"][];
+                    "application/json": components["schemas"]["NewUserView"];
+                };
+            };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Its state forbids this; the detail says why. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
                 };
             };
         };
     };
-    prev_api_cameras__id__preview_jpg_get: {
+    change_user: {
         parameters: {
             query?: never;
             header?: never;
             path: {
-                id: string;
+                name: string;
             };
             cookie?: never;
         };
-        requestBody?: never;
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["UserChange"];
+            };
+        };
         responses: {
             /** @description Successful Response */
             200: {
@@ -1644,7 +4559,43 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": unknown;
+                    "application/json": components["schemas"]["UserView"];
+                };
+            };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Its state forbids this; the detail says why. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
                 };
             };
             /** @description Validation Error */
@@ -1656,9 +4607,92 @@ export interface operations {
                     "application/json": components["schemas"]["HTTPValidationError"];
                 };
             };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
         };
     };
-    floor_api_floor_jpg_get: {
+    delete_user: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                name: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Its state forbids this; the detail says why. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_tokens: {
         parameters: {
             query?: never;
             header?: never;
@@ -1673,29 +4707,85 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": unknown;
+                    "application/json": components["schemas"]["TokenView"][];
                 };
             };
-        };
-    };
-    spa__path__get: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path: {
-                path: string;
-            };
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            /** @description Successful Response */
-            200: {
+            /** @description Not logged in, or the token is not valid. */
+            401: {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": unknown;
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    issue_token: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["NewToken"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["NewTokenView"];
+                };
+            };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Its state forbids this; the detail says why. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
                 };
             };
             /** @description Validation Error */
@@ -1705,6 +4795,80 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    revoke_token: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                token_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
                 };
             };
         };

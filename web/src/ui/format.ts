@@ -1,0 +1,34 @@
+/** Numbers as people read them. */
+
+/** "40 ms", "1.2 s", "3 min 20 s", "2 h 5 min", "4 days". */
+export function formatDuration(ms: number): string {
+  if (ms < 1000) return `${Math.max(0, Math.round(ms))} ms`;
+  if (ms < 10_000) return `${(ms / 1000).toFixed(1)} s`;
+  const seconds = Math.floor(ms / 1000);
+  if (seconds < 60) return `${seconds} s`;
+  const minutes = Math.floor(seconds / 60);
+  if (minutes < 60) return `${minutes} min ${seconds % 60} s`;
+  const hours = Math.floor(minutes / 60);
+  if (hours < 48) return `${hours} h ${minutes % 60} min`;
+  return `${Math.floor(hours / 24)} days`;
+}
+
+/** The time of day of a stamp in nanoseconds, with the date when that is not today. */
+export function formatStamp(stampNs: number, nowMs: number = Date.now()): string {
+  const date = new Date(stampNs / 1e6);
+  const time = date.toLocaleTimeString("en-GB");
+  const isToday = date.toDateString() === new Date(nowMs).toDateString();
+  return isToday ? time : `${date.toLocaleDateString("en-CA")} ${time}`;
+}
+
+export function formatMetres(value: number): string {
+  return `${value.toFixed(2)} m`;
+}
+
+export function degrees(radians: number): number {
+  return (radians * 180) / Math.PI;
+}
+
+export function radians(degreesValue: number): number {
+  return (degreesValue * Math.PI) / 180;
+}
