@@ -75,7 +75,7 @@ class ObstacleMap:
 
     def merged(self, now_ns: int) -> FloorGrid:
         """The obstacle map at this time."""
-        living = {name: view for name, view in self._views.items() if now_ns - view.stamp_ns <= TTL_S * 1e9}
+        living = {name: self._views[name] for name in self.living(now_ns)}
         shape = self._area.occupied.shape
         votes_occupied, votes_observed = np.zeros(shape, np.uint8), np.zeros(shape, np.uint8)
         for view in living.values():
@@ -97,8 +97,8 @@ class ObstacleMap:
         return self._area.with_cells(occupied | self._remembered, observed)
 
     def living(self, now_ns: int) -> tuple[str, ...]:
-        """The cameras that count as observing."""
-        return tuple(sorted(name for name, view in self._views.items() if now_ns - view.stamp_ns <= TTL_S * 1e9))
+        """The cameras that count as observing. One whose clock is ahead does not: nobody could tell when it falls silent."""
+        return tuple(sorted(name for name, view in self._views.items() if abs(now_ns - view.stamp_ns) <= TTL_S * 1e9))
 
     def _believed(
         self, name: str, view: _View, votes_occupied: NDArray[np.uint8], votes_observed: NDArray[np.uint8]

@@ -12,7 +12,7 @@ class Settings:
 
     lab: Path
     state: Path
-    redis_url: str
+    redis_url: str = field(repr=False)
     server_url: str
     host: str
     udp_key: bytes | None = field(repr=False)

@@ -155,6 +155,14 @@ def test_an_older_raster_changes_nothing() -> None:
     assert obstacles.merged(10 * S).occupied.any()
 
 
+def test_a_camera_whose_clock_is_ahead_observes_nothing() -> None:
+    obstacles = two_cameras()
+    obstacles.add(raster("cam0", block(1, 1, 2, 2), stamp_ns=12 * S))
+    grid = obstacles.merged(10 * S)
+    assert not grid.observed.any()
+    assert np.array_equal(grid.occupied, block(1, 1, 2, 2))
+
+
 @pytest.mark.parametrize(
     ("bad", "words"),
     [

@@ -28,11 +28,19 @@ def test_what_is_missing_is_named(missing: str, value: str | None) -> None:
 
 
 def test_secrets_are_read_and_not_shown() -> None:
-    settings = Settings.from_environment({**NEEDED, "LILLIPUT_UDP_KEY": "c0ffee", "LILLIPUT_TOKEN": "a-token"})
+    settings = Settings.from_environment(
+        {
+            "LILLIPUT_LAB": "labs/gulliver.yaml",
+            "REDIS_URL": "redis://lab:hunter2@redis.example:6379/0",
+            "LILLIPUT_UDP_KEY": "c0ffee",
+            "LILLIPUT_TOKEN": "a-token",
+        }
+    )
     assert settings.udp_key == b"\xc0\xff\xee"
     assert settings.token == "a-token"
     assert "a-token" not in repr(settings)
     assert "c0" not in repr(settings)
+    assert "hunter2" not in repr(settings)
 
 
 def test_a_key_that_is_not_hexadecimal_is_refused() -> None:
