@@ -32,13 +32,9 @@ def mount(x: float, y: float, z: float, yaw: float = 0.0, tilt_x: float = 0.0, t
     return rz @ rx @ SE3.from_rotvec([0, tilt_y, 0], [0, 0, 0])
 
 
-def small_lab(extra: str = "", **vehicle: float) -> Lab:
-    """Two 960 x 540 cameras over a 4 x 2 m floor with six floor tags and two vehicles."""
-    size, height = vehicle.get("size_m", 0.16), vehicle.get("height_m", 0.3)
-    return parse_lab(
-        f"""
+SMALL_LAB = """
 name: small
-areas: [{{id: room, outline: [[-0.5, -0.5], [3.5, -0.5], [3.5, 1.5], [-0.5, 1.5]]}}]
+areas: [{id: room, outline: [[-0.5, -0.5], [3.5, -0.5], [3.5, 1.5], [-0.5, 1.5]]}]
 cameras:
   - &camera
     id: left
@@ -47,30 +43,32 @@ cameras:
     width: 960
     height: 540
     rate_hz: 15
-    intrinsics: {{fx: 620.0, fy: 618.0, cx: 478.0, cy: 272.0, distortion: [-0.06, 0.02, 0.0005, -0.0003, 0.0]}}
-  - {{<<: *camera, id: right}}
+    intrinsics: {fx: 620.0, fy: 618.0, cx: 478.0, cy: 272.0, distortion: [-0.06, 0.02, 0.0005, -0.0003, 0.0]}
+  - {<<: *camera, id: right}
 floor_tags:
   family: tag36h11
   size_m: 0.16
   poses:
-    {{0: [0.0, 0.0, 0.0], 1: [0.0, 1.0, 1.5708], 2: [1.5, 0.0, 0.3], 3: [1.5, 1.0, 0.0], 4: [3.0, 0.0, 0.0],
-     5: [3.0, 1.0, 3.0]}}
+    {0: [0.0, 0.0, 0.0], 1: [0.0, 1.0, 1.5708], 2: [1.5, 0.0, 0.3], 3: [1.5, 1.0, 0.0], 4: [3.0, 0.0, 0.0],
+     5: [3.0, 1.0, 3.0]}
 vehicles:
   - &robot
     id: robot-10
     kind: wifibot
     footprint: [[-0.15, -0.16], [0.15, -0.16], [0.15, 0.16], [-0.15, 0.16]]
-    tag: {{family: tag36h11, id: 10, size_m: {size}, height_m: {height}, offset: [0.05, 0.02, 0.4]}}
-    limits: {{speed_mps: 1.0, yaw_rate_radps: 1.5, acceleration_mps2: 1.0, braking_mps2: 2.0, yaw_acceleration_radps2: 4.0}}
-  - {{<<: *robot, id: robot-11, tag: {{family: tag36h11, id: 11, size_m: {size}, height_m: {height}}}}}
+    tag: {family: tag36h11, id: 10, size_m: 0.16, height_m: 0.3, offset: [0.05, 0.02, 0.4]}
+    limits: {speed_mps: 1.0, yaw_rate_radps: 1.5, acceleration_mps2: 1.0, braking_mps2: 2.0, yaw_acceleration_radps2: 4.0}
+  - {<<: *robot, id: robot-11, tag: {family: tag36h11, id: 11, size_m: 0.16, height_m: 0.3}}
 simulation:
   mounts:
-    left: {{position: [0.75, 0.5, 2.2]}}
-    right: {{position: [2.25, 0.5, 2.2]}}
-{extra}
-""",
-        "small.yaml",
-    )
+    left: {position: [0.75, 0.5, 2.2]}
+    right: {position: [2.25, 0.5, 2.2]}
+"""
+
+
+def small_lab() -> Lab:
+    """Two 960 x 540 cameras over a 4 x 2 m floor with six floor tags and two vehicles."""
+    return parse_lab(SMALL_LAB, "small.yaml")
 
 
 MOUNTS = {
