@@ -8,7 +8,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from agents.control import Executor, PathController, task_of
+from agents.answering import Answers
+from agents.control import Executor, PathController
 from agents.drivers import OdometryReading
 from agents.estimation import Localization, PoseEstimator
 from agents.motion import STOP, Twist
@@ -19,7 +20,6 @@ from protocol.messages import (
     EmergencyStop,
     Mode,
     Movement,
-    Outcome,
     Reason,
     Response,
     Status,
@@ -53,29 +53,17 @@ class Pilot:
         self._estimator = estimator
         self._executor = Executor(controller, vehicle.limits)
         self._front = FrontGuard()
+        self._answers = Answers(vehicle)
         self._reading: OdometryReading | None = None
         self._fault: str | None = "no odometry yet"
         self._pose_received_s = -math.inf
         self._stopped_by: Reason | None = None
         self._obeyed: Command | None = None
-        self._reached = False
-        self._answered: object = None
-        self._expired_answered = False
-        self._refused_epoch = -1
-        self._responses: list[Response] = []
 
     def command(self, command: Command, now_ns: int, now_s: float) -> Verdict:
-        """A command arrived. What an older guidance says is refused once per epoch, what comes too late once in a row."""
+        """A command arrived; whether it is obeyed from now on is in the verdict."""
         verdict = self.gate.offer(command, now_ns, now_s)
-        if verdict is Verdict.OLD_EPOCH and command.epoch > self._refused_epoch:
-            self._refused_epoch = command.epoch
-            self._respond(command, Outcome.REFUSED, now_ns, "a newer guidance is in charge")
-        elif verdict is Verdict.EXPIRED and not self._expired_answered:
-            self._expired_answered = True
-            late_s = (now_ns - command.deadline_ns) / 1e9
-            self._respond(command, Outcome.REFUSED, now_ns, f"came {late_s:.2f} s after its deadline")
-        elif verdict is Verdict.OBEYED:
-            self._expired_answered = False
+        self._answers.arrived(command, verdict, now_ns)
         return verdict
 
     def emergency_stop(self, event: EmergencyStop) -> bool:
@@ -125,17 +113,17 @@ class Pilot:
             )
         )
         twist = STOP
-        self._obeyed, self._reached = None, False
+        reached = False
+        self._obeyed = None
         if stop is None and command is not None and estimate.pose is not None and self._reading is not None:
             execution = self._executor.execute(command, estimate.pose, self._reading.twist, now_s)
             twist, stop = self._front.limit(execution.twist, self._reading.front_range_m)
-            self._obeyed, self._reached = command, execution.reached
+            self._obeyed, reached = command, execution.reached
         else:
             self._executor.reset()
         self._stopped_by = stop
-        self._answer(command, stop, now_ns)
-        responses, self._responses = tuple(self._responses), []
-        return Decision(twist, stop, responses)
+        self._answers.decided(command, stop, reached, now_ns)
+        return Decision(twist, stop, self._answers.take())
 
     def status(
         self, sequence: int, now_ns: int, now_s: float, *, ip: str, battery: float | None, faults: Sequence[str]
@@ -170,42 +158,3 @@ class Pilot:
         if estimate.localization is not Localization.ALIGNED or estimate.camera_stamp_ns is None:
             return None
         return max(0.0, (now_ns - estimate.camera_stamp_ns) / 1e9, now_s - self._pose_received_s)
-
-    def _answer(self, command: Command | None, stop: Reason | None, now_ns: int) -> None:
-        """Answers once when something else is obeyed, reached, or a wish to move is refused; not every rewriting."""
-        if command is None:
-            self._answered = None
-            return
-        if stop is None:
-            outcome, text = (Outcome.REACHED, "") if self._reached else (Outcome.ACCEPTED, "")
-        elif command.movement in (Movement.MOVE_TO, Movement.ROTATE, Movement.DRIVE):
-            outcome, text = Outcome.REFUSED, f"{stop.code}: {stop.text}"
-        else:
-            return  # it is to stand, and stands
-        speed = round(command.speed_mps, 1) if command.movement is Movement.MOVE_TO else 0.0
-        answer = (task_of(command), speed, outcome, None if stop is None else stop.code)
-        if answer == self._answered:
-            return
-        self._answered = answer
-        self._respond(command, outcome, now_ns, text)
-
-    def _respond(self, command: Command, outcome: Outcome, now_ns: int, text: str) -> None:
-        self._responses.append(
-            Response(
-                robot=self._vehicle.id,
-                command_order=command.order,
-                command_stamp_ns=command.stamp_ns,
-                stamp_ns=now_ns,
-                outcome=outcome,
-                movement=command.movement,
-                applied_speed_mps=0.0 if outcome is Outcome.REFUSED else self._applied_speed(command),
-                reached_ns=now_ns if outcome is Outcome.REACHED else None,
-                reason=text,
-            )
-        )
-
-    def _applied_speed(self, command: Command) -> float:
-        """The speed set-point after clipping to what the vehicle can do, m/s."""
-        asked = abs(command.linear_mps) if command.movement is Movement.DRIVE else command.speed_mps
-        moves = command.movement in (Movement.MOVE_TO, Movement.DRIVE)
-        return min(asked, self._vehicle.limits.speed_mps) if moves else 0.0

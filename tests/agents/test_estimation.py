@@ -5,7 +5,7 @@ import random
 from collections.abc import Callable
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from agents.drivers import OdometryReading
@@ -29,6 +29,7 @@ def assert_close(actual: SE2 | None, expected: SE2, metres: float = 1e-6, radian
     assert abs(angle_difference(actual.yaw, expected.yaw)) <= radians
 
 
+@settings(deadline=None)
 @given(POSE, POSE, POSE)
 def test_start_up_aligns_odometry_to_the_map_in_position_and_yaw(camera: SE2, before: SE2, motion: SE2) -> None:
     """Wherever odometry's frame lies, the motion after the first camera pose is added in the robot's own frame."""
@@ -53,6 +54,7 @@ def test_a_camera_pose_before_any_odometry_is_not_used() -> None:
     assert not estimator.add_camera_pose(tracked("r", SE2.identity(), START_NS))
 
 
+@settings(deadline=None)
 @given(POSE, st.floats(-0.2, 0.2), st.floats(-0.2, 0.2), st.floats(-1.0, 1.0))
 def test_weights_are_35_and_65_percent(first: SE2, dx: float, dy: float, turn: float) -> None:
     """Also when the two yaws lie on both sides of +-pi."""
@@ -169,6 +171,7 @@ def test_a_clock_that_was_set_back_leads_to_a_new_alignment() -> None:
     assert_close(estimator.estimate(hour_ago_ns).pose, SE2(3.0, 2.0, 0.5))
 
 
+@settings(deadline=None)
 @given(st.floats(-1.0, 1.0), st.floats(-1.0, 1.0), st.integers(0, 100))
 def test_history_interpolates_along_the_arc(linear: float, angular: float, share: int) -> None:
     history = OdometryHistory()

@@ -77,7 +77,7 @@ def test_pushed_away_it_comes_back(executor: Executor) -> None:
     assert distance(plant.pose, 1.0, 0.0) <= 0.15
 
 
-@settings(max_examples=50)
+@settings(max_examples=50, deadline=None)
 @given(st.floats(-math.pi, math.pi), st.floats(-math.pi, math.pi))
 def test_rotate_turns_the_shorter_way_on_the_spot(start: float, end: float) -> None:
     plant, executor = Plant(SE2(1.0, 2.0, start)), Executor(GpssController(LIMITS), LIMITS)
@@ -90,6 +90,7 @@ def test_rotate_turns_the_shorter_way_on_the_spot(start: float, end: float) -> N
     assert plant.twist == STOP
 
 
+@settings(deadline=None)
 @given(st.floats(-math.pi, math.pi), st.floats(-math.pi, math.pi))
 def test_turning_goes_towards_the_heading(yaw: float, target: float) -> None:
     twist, reached = turn_to(yaw, target, LIMITS)

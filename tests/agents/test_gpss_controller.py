@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from agents.control import Goal, GpssController, gpss_law
@@ -61,6 +61,7 @@ def test_reached_within_15_centimetres() -> None:
     assert gpss_law(SE2.identity(), goal_at(0.1, 0.0, final=False)).twist == STOP
 
 
+@settings(deadline=None)
 @given(NEAR_FLOOR, NEAR_FLOOR, YAW, NEAR_FLOOR, NEAR_FLOOR, st.floats(0.0, 2.0), st.booleans())
 def test_never_leaves_its_limits(
     x: float, y: float, yaw: float, goal_x: float, goal_y: float, speed: float, final: bool
@@ -72,6 +73,7 @@ def test_never_leaves_its_limits(
     assert abs(clipped.linear_mps) <= LIMITS.speed_mps
 
 
+@settings(deadline=None)
 @given(NEAR_FLOOR, NEAR_FLOOR, YAW, st.floats(-3.0, 3.0), st.floats(-3.0, 3.0), YAW)
 def test_does_not_depend_on_where_the_map_lies(
     x: float, y: float, yaw: float, ahead: float, left: float, turn: float
@@ -88,6 +90,7 @@ def test_does_not_depend_on_where_the_map_lies(
     assert here.twist.angular_radps == pytest.approx(origin.twist.angular_radps, abs=1e-9)
 
 
+@settings(deadline=None)
 @given(st.floats(0.05, 4.0), st.floats(-180.0, 180.0), st.sampled_from([0.1, 0.3, 0.8]))
 def test_gets_to_every_target_around_it(distance_m: float, error_deg: float, speed: float) -> None:
     """Also to those beside it that the law alone would circle around for ever."""

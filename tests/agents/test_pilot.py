@@ -268,6 +268,33 @@ def test_poses_that_cannot_be_right_change_nothing(wrong: TrackedPose) -> None:
     assert (after.x, after.y, after.yaw, after.pose_age_s) == (before.x, before.y, before.yaw, before.pose_age_s)
 
 
+def test_a_pose_from_the_future_does_not_stay_fresh_though_the_base_lives_there_too() -> None:
+    drive = Drive()
+    drive.camera_works = False
+    ahead_ns = drive.now_ns + 30_000_000_000
+    drive.pilot.odometry(drive.plant.reading(ahead_ns))
+    assert not drive.pilot.camera_pose(tracked(ROBOT, drive.plant.pose, ahead_ns), drive.now_ns, drive.now_s)
+    assert drive.status().pose_age_s is None
+
+
+def test_a_pose_goes_stale_though_the_wall_clock_stands() -> None:
+    drive = Drive()
+    drive.run(1.0, drive.orders.waiting)
+    status = drive.pilot.status(1, drive.now_ns, drive.now_s + 0.6, ip="", battery=None, faults=())
+    assert status.pose_age_s is not None and status.pose_age_s > 0.5
+
+
+def test_a_base_that_talks_nonsense_is_at_fault() -> None:
+    drive = Drive()
+    drive.run(1.0, drive.orders.waiting)
+    drive.pilot.command(drive.orders.move_to(drive.now_ns, 5.0, 1.0), drive.now_ns, drive.now_s)
+    drive.plant.odometry = SE2(1e308, 0.0, 0.0)
+    drive.pilot.odometry(drive.plant.reading(drive.now_ns))
+    decision = drive.pilot.decide(drive.now_ns, drive.now_s)
+    assert decision.twist == STOP
+    assert decision.stopped_by is not None and decision.stopped_by.code is ReasonCode.DRIVER_FAULT
+
+
 def test_a_status_fits_its_datagram_whatever_the_texts() -> None:
     drive = Drive()
     drive.pilot.emergency_stop(EmergencyStop(engaged=True, epoch=1, reason="x" * 5000, by="y" * 5000))
