@@ -2,9 +2,7 @@
 
 import argparse
 import asyncio
-import contextlib
 import logging
-import signal
 
 from protocol.bus import Bus
 from protocol.clock import SystemClock
@@ -13,6 +11,7 @@ from protocol.lab import load_lab
 from protocol.settings import Settings
 from server.guidance.parameters import GuidanceParameters
 from server.guidance.service import GuidanceService
+from server.lifetime import run_until_signal
 
 _logger = logging.getLogger("server.guidance")
 
@@ -48,13 +47,8 @@ async def _run(settings: Settings, parameters: GuidanceParameters) -> None:
     _logger.info("guiding %s with %s", ", ".join(v.id for v in lab.vehicles) or "no vehicle", parameters)
     clock = SystemClock()
     bus = Bus.connect(settings.redis_url, clock)
-    task = asyncio.ensure_future(GuidanceService(lab, bus.redis, clock, parameters).run())
-    loop = asyncio.get_running_loop()
-    for number in (signal.SIGTERM, signal.SIGINT):
-        loop.add_signal_handler(number, task.cancel)
     try:
-        with contextlib.suppress(asyncio.CancelledError):
-            await task
+        await run_until_signal(GuidanceService(lab, bus.redis, clock, parameters).run())
     finally:
         await bus.close()
 

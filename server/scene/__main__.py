@@ -1,9 +1,7 @@
 """`python -m server.scene`: the process of the 3D scene."""
 
 import asyncio
-import contextlib
 import logging
-import signal
 
 from protocol.bus import Bus
 from protocol.clock import SystemClock
@@ -35,14 +33,9 @@ async def _run(settings: Settings, lab: Lab) -> None:
         raise SystemExit(str(error)) from error
     clock = SystemClock()
     bus = Bus.connect(settings.redis_url, clock)
-    task = asyncio.ensure_future(serve(lab, server, bus, clock))
-    loop = asyncio.get_running_loop()
-    for number in (signal.SIGTERM, signal.SIGINT):
-        loop.add_signal_handler(number, task.cancel)
     _logger.info("the scene of %s is on http://%s:%d", lab.name, HOST, lab.ports.scene)
     try:
-        with contextlib.suppress(asyncio.CancelledError):
-            await task
+        await serve(lab, server, bus, clock)
     finally:
         server.stop()
         await bus.close()

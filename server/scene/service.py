@@ -8,6 +8,7 @@ import viser
 from protocol.bus import Bus
 from protocol.clock import Clock
 from protocol.lab import Lab
+from server.lifetime import run_until_signal
 from server.scene import layer_fleet, layer_floor, layer_plan
 from server.scene.canvas import Canvas
 from server.scene.feed import Feed
@@ -125,9 +126,7 @@ class Scene:
 
 
 async def serve(lab: Lab, server: viser.ViserServer, bus: Bus, clock: Clock) -> None:
-    """Feeds and draws until cancelled."""
+    """Feeds and draws until a signal."""
     world = World()
     scene, feed = Scene(lab, server, world, clock), Feed(world, bus, clock)
-    async with asyncio.TaskGroup() as tasks:
-        for work in (feed.follow(), feed.poll(), scene.run(), scene.run_picture()):
-            tasks.create_task(work)
+    await run_until_signal(feed.follow(), feed.poll(), scene.run(), scene.run_picture())

@@ -1,0 +1,32 @@
+"""The life of a process that is a few endless asyncio tasks: until one fails, or until SIGTERM or SIGINT."""
+
+import asyncio
+import signal
+from collections.abc import Coroutine
+from typing import Any
+
+_CANCEL_EVERY_S = 0.1
+
+
+async def run_until_signal(*works: Coroutine[Any, Any, None]) -> None:
+    """Runs all of them; raises what the first one to fail raised, when all have ended.
+
+    They are cancelled again and again until they have ended: redis-py (8.1) loses a cancellation that arrives while it
+    connects, and a task that lost its only one would run for ever.
+    """
+    loop, asked = asyncio.get_running_loop(), asyncio.Event()
+    for number in (signal.SIGTERM, signal.SIGINT):
+        loop.add_signal_handler(number, asked.set)
+    tasks = [asyncio.ensure_future(work) for work in works]
+    stop = asyncio.ensure_future(asked.wait())
+    try:
+        await asyncio.wait([stop, *tasks], return_when=asyncio.FIRST_COMPLETED)
+    finally:
+        running = {task for task in (stop, *tasks) if not task.done()}
+        while running:
+            for task in running:
+                task.cancel()
+            _, running = await asyncio.wait(running, timeout=_CANCEL_EVERY_S)
+    for task in tasks:
+        if not task.cancelled() and (error := task.exception()) is not None:
+            raise error
