@@ -46,6 +46,29 @@ def test_stands_well_inside_the_tolerance_and_stays(executor: Executor) -> None:
     assert plant.pose == stands_at
 
 
+@pytest.mark.parametrize(
+    ("distances_m", "reached"),
+    [
+        ([0.16, 0.14, 0.12], False),
+        ([0.16, 0.14, 0.12, 0.099], True),
+        ([0.16, 0.14, 0.12, 0.125], False),
+        ([0.16, 0.14, 0.12, 0.131], True),
+        ([0.16, 0.14] + [0.12] * 38, False),
+        ([0.16, 0.14] + [0.12] * 41, True),
+    ],
+    ids=["still nearing", "near enough", "noise", "moving away", "slow", "stuck"],
+)
+def test_reached_is_said_when_it_gets_no_nearer(executor: Executor, distances_m: list[float], reached: bool) -> None:
+    command = ORDERS.move_to(0, 1.0, 0.0)
+    said = [
+        executor.execute(command, SE2(1.0 - distance_m, 0.0, 0.0), STOP, tick / 20)
+        for tick, distance_m in enumerate(distances_m)
+    ]
+    assert said[-1].reached is reached
+    assert not any(execution.reached for execution in said[:-1])
+    assert (said[-1].twist == STOP) is reached
+
+
 def test_a_final_heading_is_taken_after_arrival(executor: Executor) -> None:
     plant = Plant(SE2.identity())
     assert run(plant, executor, ORDERS.move_to(0, 1.5, 0.0, yaw=-2.0), 40.0) is not None
