@@ -23,6 +23,7 @@ from protocol.channels import Channel, Delivery
 from protocol.clock import Clock, SystemClock
 from protocol.codec import decode, encode
 from protocol.errors import BusUnavailableError, DecodeError
+from protocol.redis_connection import make_leavable
 
 M = TypeVar("M", bound=BaseModel | Struct)
 _logger = logging.getLogger(__name__)
@@ -111,6 +112,7 @@ class Bus:
             socket_connect_timeout=_TIMEOUT_S,
             retry=AsyncRetry(NoBackoff(), 1, _RETRIED),
         )
+        make_leavable(client)
         return cls(client, clock)
 
     async def publish(self, channel: Channel[M], instance: str, message: M) -> bool:
