@@ -11,7 +11,7 @@ from protocol.lab import Lab
 from server.guidance.fleet import Guidance, takeover_event
 from server.guidance.parameters import GuidanceParameters
 from server.guidance.snapshot import Outcome
-from server.guidance.store import GuidanceStore, obeyed_epochs
+from server.guidance.store import GuidanceStore, newer_epochs, obeyed_epochs
 
 _logger = logging.getLogger(__name__)
 _STANDBY_S = 0.2
@@ -57,7 +57,7 @@ class GuidanceService:
             return _STANDBY_S
         assert self._epoch is not None
         snapshot = await self._store.snapshot()
-        if max(obeyed_epochs(snapshot), default=0) > self._epoch:
+        if newer_epochs(obeyed_epochs(snapshot), self._epoch):
             # Redis lost the newest epoch (a power cut): robots would refuse every command.
             _logger.warning("robots obey a newer epoch than %d; taking a new one", self._epoch)
             await self._store.release(self._epoch)

@@ -5,7 +5,7 @@ held up, or whose lease ran out, writes nothing. Assignments are replaced only w
 """
 
 import logging
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any, TypeVar, cast
 
 import redis.asyncio
@@ -37,13 +37,13 @@ _logger = logging.getLogger(__name__)
 LEASE_S = 1.0
 _STREAM_LENGTH = 10_000
 _HIGHEST_JUMP = 1000
-"""An epoch that is claimed to be further ahead than this is taken for nonsense."""
+"""An epoch that somebody claims to be further ahead than this is taken for nonsense."""
 
 _ACQUIRE = """
 if redis.call('EXISTS', KEYS[1]) == 1 then return false end
 local epoch = redis.call('INCR', KEYS[2])
 local floor = tonumber(ARGV[2])
-if floor >= epoch and floor < epoch + tonumber(ARGV[3]) then
+if floor >= epoch then
   epoch = floor + 1
   redis.call('SET', KEYS[2], string.format('%d', epoch))
 end
@@ -90,9 +90,7 @@ class GuidanceStore:
     async def acquire(self, above: int) -> int | None:
         """Becomes the active guidance: the new epoch, greater than every earlier one and than `above`; None while another
         one is active."""
-        got = await self._acquire(
-            keys=[keys.GUIDANCE_LEASE, keys.GUIDANCE_EPOCH], args=[round(LEASE_S * 1000), above, _HIGHEST_JUMP]
-        )
+        got = await self._acquire(keys=[keys.GUIDANCE_LEASE, keys.GUIDANCE_EPOCH], args=[round(LEASE_S * 1000), above])
         return None if got is None else int(cast("int", got))
 
     async def release(self, epoch: int) -> None:
@@ -129,10 +127,12 @@ class GuidanceStore:
         )
 
     async def highest_epoch(self, snapshot: Snapshot) -> int:
-        """The highest epoch that was commanded or that a robot says it obeyed."""
+        """The highest epoch that was commanded or that a robot says it obeyed; nonsense does not count."""
+        counter = await self._redis.get(keys.GUIDANCE_EPOCH)
         commands = cast("dict[bytes, bytes]", await self._redis.hgetall(keys.live(COMMANDS.name)))  # pyright: ignore[reportGeneralTypeIssues]  # typed for both clients
+        known = int(counter or 0)
         said = [command.epoch for command in self._live(COMMANDS, commands).values()]
-        return max([0, *said, *obeyed_epochs(snapshot)])
+        return max([known, *newer_epochs([*said, *obeyed_epochs(snapshot)], known)])
 
     async def say(self, outcome: Outcome, epoch: int) -> bool:
         """Publishes, all or nothing, and renews the lease; False when the lease is no longer that epoch's."""
@@ -176,3 +176,8 @@ class GuidanceStore:
 def obeyed_epochs(snapshot: Snapshot) -> list[int]:
     """The epochs of the commands that robots say they obey."""
     return [status.command_order[0] for status in snapshot.statuses.values() if status.command_order is not None]
+
+
+def newer_epochs(epochs: Iterable[int], than: int) -> list[int]:
+    """Those that are newer, and not so much newer that they cannot be."""
+    return [epoch for epoch in epochs if than < epoch <= than + _HIGHEST_JUMP]

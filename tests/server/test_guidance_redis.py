@@ -168,6 +168,18 @@ async def test_a_new_epoch_is_above_what_robots_obeyed(bus: Bus) -> None:
             return guidance.epoch is not None and guidance.epoch > 50
 
         await until(above)
+        nonsense = obeyed.model_copy(update={"command_order": (2**60, 1)})
+        epoch = guidance.epoch
+        await bus.publish(STATUSES, ROBOT, nonsense)
+        last = await command(bus)
+        assert last is not None
+
+        async def goes_on() -> bool:
+            said = await command(bus)
+            return said is not None and said.sequence > last.sequence + 3
+
+        await until(goes_on)
+        assert guidance.epoch == epoch
 
 
 async def test_an_emergency_stop_that_cannot_be_read_counts_as_engaged(bus: Bus) -> None:
