@@ -38,6 +38,7 @@ from server.status_listener import StatusListener
 _ROUTES = (session, lab, robots, robot_side, plan, emergency_stop, cameras, simulation, accounts, live)
 _LARGEST_BODY = 1 << 20
 _RESTART_S = 1.0
+_CANCEL_AGAIN_S = 0.1
 _logger = logging.getLogger(__name__)
 
 _DESCRIPTION = """Fleet control of a lab or factory floor: waypoints, routes, robots, cameras, the emergency stop.
@@ -65,7 +66,7 @@ def create_app(
             app.state.context = Context.build(
                 configuration, lab_description, clock, bus, hub, listener, scene, passwords or Passwords()
             )
-            await stack.enter_async_context(_running(clock, hub.run, listener.run))
+            await stack.enter_async_context(_running(clock, *hub.parts(), listener.run))
             stack.callback(hub.feeds.close)
             yield
 
@@ -128,9 +129,12 @@ async def _running(clock: Clock, *functions: Callable[[], Awaitable[None]]) -> A
     try:
         yield
     finally:
-        for task in tasks:
-            task.cancel()
-        await asyncio.gather(*tasks, return_exceptions=True)
+        # Python 3.11's wait_for, which redis-py sends through, swallows a cancellation that comes as it is done
+        # (python/cpython#86296), so one may not be enough.
+        while waiting := [task for task in tasks if not task.done()]:
+            for task in waiting:
+                task.cancel()
+            await asyncio.wait(waiting, timeout=_CANCEL_AGAIN_S)
 
 
 async def _for_ever(function: Callable[[], Awaitable[None]], clock: Clock) -> None:

@@ -84,7 +84,7 @@ _AWAY = (*UNAVAILABLE, RedisError, BusUnavailableError)
 
 
 class LiveHub:
-    """`run` must be running for anything to be new."""
+    """Its `parts` must be running for anything to be new."""
 
     def __init__(self, bus: Bus, lab: Lab, clock: Clock, udp: Callable[[], UdpView]) -> None:
         self.feeds = CommandFeeds()
@@ -105,17 +105,21 @@ class LiveHub:
         self._sections = Sections()
         self._sections.replace("zones", {zone.id: Item(zone) for zone in lab.zones})
         self._clients = 0
+        self._readers: dict[str, Callable[[], Awaitable[None]]] = {
+            WAYPOINTS.key: self._read_waypoints,
+            ROUTES.key: self._read_routes,
+            SIMULATED_OBJECTS.key: self._read_objects,
+            ASSIGNMENTS.key: self._read_assignments,
+            ROBOT_SETTINGS.key: self._read_settings,
+            keys.stream(EVENTS.name): self._read_events,
+        }
         self._reading_events = asyncio.Lock()
         self._dirty = asyncio.Event()
         self._advanced = asyncio.Event()
 
-    async def run(self) -> None:
-        """Until cancelled."""
-        async with asyncio.TaskGroup() as group:
-            group.create_task(self._follow_channels())
-            group.create_task(self._follow_documents())
-            group.create_task(self._poll())
-            group.create_task(self._rebuild())
+    def parts(self) -> tuple[Callable[[], Awaitable[None]], ...]:
+        """What has to run beside each other, each until cancelled; one that fails may be begun again."""
+        return self._follow_channels, self._follow_documents, self._poll, self._rebuild
 
     @asynccontextmanager
     async def client(self) -> AsyncGenerator["LiveClient"]:
@@ -160,21 +164,13 @@ class LiveHub:
         self._dirty.set()
 
     async def _follow_documents(self) -> None:
-        readers: dict[str, Callable[[], Awaitable[None]]] = {
-            WAYPOINTS.key: self._read_waypoints,
-            ROUTES.key: self._read_routes,
-            SIMULATED_OBJECTS.key: self._read_objects,
-            ASSIGNMENTS.key: self._read_assignments,
-            ROBOT_SETTINGS.key: self._read_settings,
-            keys.stream(EVENTS.name): self._read_events,
-        }
         async for key in changes(self._bus, self._clock):
             try:
                 if key is None:
-                    for read in readers.values():
+                    for read in self._readers.values():
                         await read()
-                elif key in readers:
-                    await readers[key]()
+                elif key in self._readers:
+                    await self._readers[key]()
             except _AWAY as error:
                 # The feed notices by itself, reconnects, and then all is read again.
                 _logger.warning("cannot read %s: %s", key or "the documents", error)
@@ -236,7 +232,9 @@ class LiveHub:
             if self.feeds.stop(stop):
                 self._fleet.emergency_stop = stop
                 self._dirty.set()
-            await self._read_events()
+            # Not everybody who writes documents announces it.
+            for read in self._readers.values():
+                await read()
             self._away_since_ns = None
         except _AWAY:
             self._away_since_ns = self._away_since_ns or self._clock.now_ns()

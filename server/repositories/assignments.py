@@ -1,11 +1,11 @@
 """Assignments: which route a robot drives and how far it has come; durable, written by two processes.
 
-The service starts, pauses, resumes and stops; guidance advances legs and ends. Neither may overwrite what it has not
-seen: every write compares `changed_ns` with what Redis holds, and `changed_ns` grows with every write.
+The service starts, pauses, resumes and stops; guidance advances legs and ends. Neither overwrites what it has not seen:
+the writes here watch the hash and begin again when it changed, those of guidance (in a script of its own, fenced by its
+lease) land only on exactly what it had read; and `changed_ns` grows with every write, so that no two are alike.
 """
 
 import secrets
-from collections.abc import Callable
 from dataclasses import dataclass
 
 from protocol.clock import Clock
@@ -86,24 +86,6 @@ class AssignmentRepository:
     async def stop(self, robot: str, actor: str) -> Assignment:
         """NotFoundError when the robot never had a route, ConflictError when it is over already."""
         return await self._step(robot, actor, _STOP)
-
-    async def advance(
-        self, seen: Assignment, change: Callable[[Assignment], Assignment], event: Event | None = None
-    ) -> Assignment | None:
-        """For guidance: writes `change(seen)` (and `event`) if the assignment is still exactly the one seen, with a new
-        `changed_ns`; None, with nothing written, when somebody changed it meanwhile."""
-
-        async def work(transaction: Transaction) -> Assignment | None:
-            current = await transaction.get(ASSIGNMENTS, seen.robot)
-            if current is None or (current.id, current.changed_ns) != (seen.id, seen.changed_ns):
-                return None
-            changed = change(current).model_copy(update={"changed_ns": _after(current, self._clock.now_ns())})
-            transaction.put(ASSIGNMENTS, seen.robot, changed)
-            if event is not None:
-                transaction.record(event)
-            return changed
-
-        return await self._store.transaction((ASSIGNMENTS,), work)
 
     async def _step(self, robot: str, actor: str, step: _Step) -> Assignment:
         async def work(transaction: Transaction) -> Assignment:

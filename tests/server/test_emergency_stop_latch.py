@@ -1,0 +1,92 @@
+"""The emergency stop: latched, first reason kept, released by a person only, durable, told at once without guidance."""
+
+import asyncio
+import json
+from typing import Any
+
+import redis
+
+from protocol import keys
+from tests.redis_fixture import RedisServer
+from tests.server.service import ROBOT, in_process, served, until
+from tests.server.streams import EventStream
+
+
+async def test_it_keeps_its_first_reason_and_a_person_releases_it(redis_url: str) -> None:
+    async with in_process(redis_url) as service:
+        operator, robot = service.http("operator"), service.http("robot")
+        assert (await operator.get("/api/estop")).json()["engaged"] is False
+        first = (await robot.post("/api/estop", json={"reason": "bumper"})).json()
+        assert (first["engaged"], first["reason"], first["by"], first["epoch"]) == (True, "bumper", "robot token", 1)
+        assert (await operator.post("/api/estop", json={"reason": "other"})).json() == first
+        assert (await robot.get("/api/estop")).json() == first
+        for body in ({}, {"confirm": False}, None):
+            assert (await operator.request("DELETE", "/api/estop", json=body)).status_code == 422
+        assert (await robot.request("DELETE", "/api/estop", json={"confirm": True})).status_code == 403
+        assert (await operator.get("/api/estop")).json() == first
+        released = (await operator.request("DELETE", "/api/estop", json={"confirm": True})).json()
+        assert (released["engaged"], released["epoch"]) == (False, 2)
+        kinds = [event["kind"] for event in (await operator.get("/api/events")).json()]
+        assert kinds.count("emergency_stop") == 1
+        assert kinds[-1] == "emergency_stop_released"
+
+
+async def test_nothing_starts_while_it_is_engaged(redis_url: str) -> None:
+    async with in_process(redis_url) as service:
+        operator = service.http("operator")
+        await operator.post("/api/waypoints", json={"id": "a", "area": "camp", "x": 1, "y": 1})
+        await operator.post("/api/routes", json={"id": "r", "legs": [{"waypoint": "a"}]})
+        await operator.post("/api/estop", json={})
+        start = await operator.put(f"/api/robots/{ROBOT}/assignment", json={"route": "r"})
+        drive = await operator.put(f"/api/robots/{ROBOT}/manual", json={"linear_mps": 0.1, "angular_radps": 0})
+        for answer in (start, drive):
+            assert answer.status_code == 409
+            assert "emergency stop is engaged" in answer.json()["detail"]
+        await operator.request("DELETE", "/api/estop", json={"confirm": True})
+        assert (await operator.put(f"/api/robots/{ROBOT}/assignment", json={"route": "r"})).status_code == 200
+
+
+async def test_it_survives_the_death_of_server_and_redis(redis_server: RedisServer) -> None:
+    async with in_process(redis_server.url) as service:
+        engaged = (await service.http("operator").post("/api/estop", json={"reason": "fire"})).json()
+    redis_server.kill()
+    redis_server.start()
+    async with served(redis_server.url, accounts=True) as (service, _):
+        assert (await service.http("operator").get("/api/estop")).json() == engaged
+        async with EventStream(service, "robot", ROBOT) as stream:
+            name, data = await stream.event()
+            assert (name, json.loads(data)) == ("emergency_stop", engaged)
+
+
+async def test_robots_hear_it_at_once_without_guidance(redis_url: str) -> None:
+    async with served(redis_url) as (service, _):
+        async with EventStream(service, "robot", ROBOT) as stream:
+            name, data = await stream.event()
+            assert (name, json.loads(data)["engaged"]) == ("emergency_stop", False)
+            loop = asyncio.get_running_loop()
+            started = loop.time()
+            await service.http("operator").post("/api/estop", json={"reason": "now"})
+            name, data = await stream.event()
+            assert (name, json.loads(data)["reason"]) == ("emergency_stop", "now")
+            assert loop.time() - started < 0.3
+
+
+async def test_a_damaged_latch_counts_as_engaged_and_can_be_released(redis_server: RedisServer) -> None:
+    with redis.Redis.from_url(redis_server.url) as client:
+        client.hset(keys.live("emergency_stop"), "lab", b"\xff not json")
+    async with in_process(redis_server.url) as service:
+        operator = service.http("operator")
+        assert (await operator.get("/api/estop")).json()["engaged"] is True
+
+        async def shown() -> bool:
+            robots: list[dict[str, Any]] = (await service.http("viewer").get("/api/robots")).json()
+            return len(robots) == 4
+
+        await until(shown)
+        await until(lambda: service.context.hub.feeds.emergency_stop is not None)
+        stop = service.context.hub.feeds.emergency_stop
+        assert stop is not None
+        assert stop.engaged
+        released = await operator.request("DELETE", "/api/estop", json={"confirm": True})
+        assert released.json()["engaged"] is False
+        assert (await operator.get("/api/estop")).json()["engaged"] is False
