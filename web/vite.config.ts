@@ -12,5 +12,5 @@ export default defineConfig({
       "/viser": { target: server, ws: true },
     },
   },
-  test: { environment: "jsdom", include: ["tests/**/*.test.{ts,tsx}"] },
+  test: { include: ["tests/**/*.test.{ts,tsx}"] },
 });

@@ -48,6 +48,7 @@ export function LoginPage({ ended }: { readonly ended: boolean }) {
               name="username"
               autoComplete="username"
               required
+              withAsterisk={false}
               value={user}
               data-testid="login-user"
               onChange={(event) => setUser(event.currentTarget.value)}
@@ -57,6 +58,7 @@ export function LoginPage({ ended }: { readonly ended: boolean }) {
               name="password"
               autoComplete="current-password"
               required
+              withAsterisk={false}
               autoFocus
               value={password}
               data-testid="login-password"

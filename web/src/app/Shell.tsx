@@ -60,7 +60,7 @@ export function Shell() {
           <Navigation />
         </AppShell.Navbar>
       )}
-      <AppShell.Main>
+      <AppShell.Main className={classes["main"] ?? ""}>
         <Suspense
           fallback={
             <Center h="60vh">

@@ -2,7 +2,7 @@
 import { Alert, Badge, Card, Group, SimpleGrid, Text } from "@mantine/core";
 import type { CameraView } from "../api/types";
 import { useLive } from "../live/store";
-import { formatStamp } from "../ui/format";
+import { formatStamp, withSince } from "../ui/format";
 import { Preview } from "./Preview";
 import { StageTimings } from "./StageTimings";
 
@@ -10,7 +10,7 @@ export function CameraCard({ camera }: { readonly camera: CameraView }) {
   const { state } = camera;
   const problem = useLive((live) => live.state.health?.problems.find(({ source }) => source === camera.id));
   const isWell = state?.fresh === true && state.connected && state.error === null;
-  const wrong = problem?.text ?? state?.error ?? describeSilence(camera);
+  const wrong = problem ? withSince(problem) : (state?.error ?? describeSilence(camera));
   return (
     <Card withBorder padding="sm" data-testid={`camera-${camera.id}`} data-ok={isWell}>
       <Card.Section>
@@ -25,9 +25,6 @@ export function CameraCard({ camera }: { readonly camera: CameraView }) {
       {!isWell && (
         <Alert color="red" p="xs" mt="xs">
           {wrong}
-          {typeof problem?.since_ns === "number" &&
-            !wrong.includes("since") &&
-            ` (since ${formatStamp(problem.since_ns)})`}
         </Alert>
       )}
       {state && (

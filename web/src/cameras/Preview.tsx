@@ -23,8 +23,9 @@ export function Preview({ camera, ratio }: { readonly camera: string; readonly r
         try {
           const response = await fetch(`/api/cameras/${encodeURIComponent(camera)}/preview.jpg`, { cache: "no-cache" });
           isThere = response.ok;
-          if (isThere && response.headers.get("ETag") !== tag) {
-            tag = response.headers.get("ETag");
+          const newTag = response.headers.get("ETag");
+          if (isThere && (newTag === null || newTag !== tag)) {
+            tag = newTag;
             paint(target, await createImageBitmap(await response.blob()));
           }
         } catch {

@@ -7,6 +7,8 @@ import { ManualDrive } from "./ManualDrive";
 import { ObstacleBoxForm } from "./ObstacleBoxForm";
 import { RobotFacts } from "./RobotFacts";
 
+const COMPACT = { label: { paddingBlock: 10, fontSize: "var(--mantine-font-size-sm)", fontWeight: 600 } };
+
 export function RobotPanel({ robot }: { readonly robot: RobotView }) {
   const [opened, setOpened] = useState<string[]>(["route", "manual"]);
   const sections = [
@@ -23,7 +25,7 @@ export function RobotPanel({ robot }: { readonly robot: RobotView }) {
           {robot.kind}
         </Text>
       </Group>
-      <Accordion multiple value={opened} onChange={setOpened} variant="default" chevronPosition="left">
+      <Accordion multiple value={opened} onChange={setOpened} chevronPosition="left" styles={COMPACT}>
         {sections.map(({ value, title, content }) => (
           <Accordion.Item key={value} value={value}>
             <Accordion.Control data-testid={`section-${value}`}>{title}</Accordion.Control>

@@ -38,6 +38,8 @@ export interface FloorMapActions {
 
 const FRAME_MS = 33;
 const MARGIN_M = 0.4;
+/** How often the map looks by itself whether what it shows has grown old. */
+const AGEING_MS = 1000;
 
 export class FloorMap {
   readonly map: OpenLayersMap;
@@ -102,7 +104,9 @@ export class FloorMap {
       this.actions.onMenu(this.hit(this.map.getEventPixel(event)), event);
     };
     target.addEventListener("contextmenu", onMenu);
+    const ageing = setInterval(() => this.take(liveStore.getState()), AGEING_MS);
     this.endings.push(
+      () => clearInterval(ageing),
       () => target.removeEventListener("contextmenu", onMenu),
       liveStore.subscribe((live) => this.take(live)),
       useFloor.subscribe(() => this.applyChoices()),
@@ -145,9 +149,17 @@ export class FloorMap {
     this.map.getView().animate({ resolution: (this.map.getView().getResolution() ?? 0.01) / factor, duration: 150 });
   }
 
-  centreOn(robot: string): void {
+  /** Brings a robot to the middle, unless the whole floor can be seen anyway or `always` is set. */
+  centreOn(robot: string, always: boolean): void {
     const pose = this.robots.poseOf(robot, performance.now());
-    if (pose) this.map.getView().animate({ center: [pose.x, pose.y], duration: 250 });
+    if (!pose || (!always && this.showsAll())) return;
+    this.map.getView().animate({ center: [pose.x, pose.y], duration: 250 });
+  }
+
+  private showsAll(): boolean {
+    const [minX = 0, minY = 0, maxX = 0, maxY = 0] = this.map.getView().calculateExtent();
+    const [left, bottom, right, top] = this.lab?.bounds ?? [-Infinity, -Infinity, Infinity, Infinity];
+    return minX <= left && minY <= bottom && maxX >= right && maxY >= top;
   }
 
   /** Pixel of the page at which a point of the floor (m) is drawn. */

@@ -5,7 +5,7 @@ import { useCallback, useRef } from "react";
 import { RobotList } from "../fleet/RobotList";
 import { RobotPanel } from "../fleet/RobotPanel";
 import { useLive } from "../live/store";
-import { formatStamp } from "../ui/format";
+import { formatStamp, withSince } from "../ui/format";
 import { usePageTitle } from "../ui/Page";
 import classes from "./floor.module.css";
 import { selectRobot, useFloor } from "./floor-state";
@@ -21,7 +21,7 @@ export default function FloorPage() {
 
   const onSelect = useCallback((id: string) => {
     selectRobot(id);
-    mapRef.current?.centreOn(id);
+    mapRef.current?.centreOn(id, false);
   }, []);
   return (
     <div className={classes["page"]}>
@@ -38,10 +38,15 @@ export default function FloorPage() {
   );
 }
 
-/** Why the map may be empty or old: the first thing that robots need and that is missing. */
+/** Why the map may be empty or old: a lost connection, or the first thing that robots need and that is missing. */
 function Missing() {
+  const connection = useLive((live) => live.connection);
   const problem = useLive((live) => live.state.health?.problems.find(({ severity }) => severity === "error"));
-  if (!problem) return null;
+  const text =
+    connection.state === "reconnecting"
+      ? `No connection to the server since ${formatStamp(connection.sinceMs * 1e6)}; this is the last known state.`
+      : problem && withSince(problem);
+  if (!text) return null;
   return (
     <Alert
       className={classes["notice"] ?? ""}
@@ -50,10 +55,7 @@ function Missing() {
       icon={<IconAlertTriangle />}
       data-testid="floor-missing"
     >
-      <Text size="sm">
-        {problem.text}
-        {problem.since_ns !== null && !problem.text.includes("since") && ` (since ${formatStamp(problem.since_ns)})`}
-      </Text>
+      <Text size="sm">{text}</Text>
     </Alert>
   );
 }

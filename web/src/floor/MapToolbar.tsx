@@ -44,7 +44,7 @@ export function MapToolbar({ mapRef }: { readonly mapRef: RefObject<FloorMap | n
           isOn={follows}
           disabled={robot === null}
           onClick={() => {
-            if (robot !== null) mapRef.current?.centreOn(robot);
+            if (robot !== null) mapRef.current?.centreOn(robot, true);
             setFollows(!follows);
           }}
         >

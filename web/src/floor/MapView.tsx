@@ -1,4 +1,5 @@
 /** Puts the floor map on the page and connects it with what a person does there. */
+import "ol/ol.css";
 import { Box, useComputedColorScheme } from "@mantine/core";
 import { useEffect, useEffectEvent, useRef, useState, type RefObject } from "react";
 import { useLab } from "../app/lab";

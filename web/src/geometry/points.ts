@@ -45,11 +45,3 @@ export function contains(polygon: readonly Point[], [x, y]: Point): boolean {
   });
   return inside;
 }
-
-/** min x, min y, max x, max y of some points; null when there are none. */
-export function boundsOf(points: readonly Point[]): [number, number, number, number] | null {
-  if (points.length === 0) return null;
-  const xs = points.map(([x]) => x);
-  const ys = points.map(([, y]) => y);
-  return [Math.min(...xs), Math.min(...ys), Math.max(...xs), Math.max(...ys)];
-}

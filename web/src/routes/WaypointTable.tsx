@@ -53,7 +53,7 @@ export function WaypointTable() {
                 <Table.Th w={92}>x, m</Table.Th>
                 <Table.Th w={92}>y, m</Table.Th>
                 <Table.Th w={92}>Radius, m</Table.Th>
-                <Table.Th w={92}>Heading, °</Table.Th>
+                <Table.Th w={104}>Heading, °</Table.Th>
                 <Table.Th w={76} />
               </Table.Tr>
             </Table.Thead>

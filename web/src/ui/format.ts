@@ -21,8 +21,9 @@ export function formatStamp(stampNs: number, nowMs: number = Date.now()): string
   return isToday ? time : `${date.toLocaleDateString("en-CA")} ${time}`;
 }
 
-export function formatMetres(value: number): string {
-  return `${value.toFixed(2)} m`;
+/** A problem's sentence, with the time since when unless the sentence has one. */
+export function withSince({ text, since_ns }: { readonly text: string; readonly since_ns: number | null }): string {
+  return since_ns === null || text.includes("since") ? text : `${text} (since ${formatStamp(since_ns)})`;
 }
 
 export function degrees(radians: number): number {
