@@ -23,7 +23,8 @@ class GuidanceParameters:
     - `reaction_s`: from an obstacle's appearance to the beginning of braking: camera 0.07, raster 0.15, guidance 0.1,
       network 0.05, motors 0.03, and a reserve.
     - `clear_for_s`: how long a box must have been clear before the robot drives on.
-    - `unseen_share`: the share of a box that no camera sees at which the robot waits.
+    - `unseen_share`: the share of a box that no camera sees at which the robot waits. Well below what a lost camera hides,
+      above the part of the floor that the robot itself hides from a camera aside (its roof's parallax).
     - `forget_robot_s`: a robot not seen for longer stands for nothing any more (the cameras then show it as an obstacle).
     """
 
@@ -38,7 +39,7 @@ class GuidanceParameters:
     clearance_m: float = 0.3
     reaction_s: float = 0.5
     clear_for_s: float = 0.3
-    unseen_share: float = 0.5
+    unseen_share: float = 0.6
     own_margin_m: float = 0.06
     forget_robot_s: float = 10.0
     no_progress_s: float = 20.0

@@ -161,7 +161,7 @@ class RobotGuidance:
             if blockage.robot is None:
                 return blockage, Reason(code=ReasonCode.OBSTACLE, text=where)
             return blockage, Reason(code=ReasonCode.ROBOT_AHEAD, text=f"{blockage.robot} {where}")
-        unseen = 1.0 - observed_share(box.area.intersection(self._ground.area), around.grid)
+        unseen = 1.0 - observed_share(box.area.intersection(self._ground.area).difference(own), around.grid)
         if unseen > self._parameters.unseen_share:
             return None, Reason(code=ReasonCode.OBSTACLES_UNKNOWN, text=f"no camera sees {unseen:.0%} of the way ahead")
         return None, None
