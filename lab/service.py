@@ -2,6 +2,7 @@
 Redis told. Everything that blocks or computes for long runs in two worker threads (drawing releases the interpreter)."""
 
 import asyncio
+import contextlib
 import logging
 import secrets
 from concurrent.futures import ThreadPoolExecutor
@@ -66,6 +67,8 @@ class LabService:
             executor.shutdown(wait=True, cancel_futures=True)
             for feed in self.feeds:
                 feed.close()
+            with contextlib.suppress(OSError):  # somebody else's frames may lie there too
+                frames_folder(self._settings.state).rmdir()
             await bus.close()
 
     async def _step_world(self) -> None:

@@ -1,4 +1,4 @@
-"""Rendered frames of the simulated ceiling cameras (issue of pixels, not of numbers: estimators see what a lens would)."""
+"""Rendered frames of the simulated ceiling cameras: those who estimate from them see what a lens would."""
 
 from lab.rendering.camera import CameraRenderer
 

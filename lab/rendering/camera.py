@@ -21,8 +21,8 @@ class CameraRenderer:
     """Renders what one camera of the lab sees. Not for several threads at once; same seed, snapshots and frame numbers:
     same pixels. `seed` None takes the lab description's. KeyError for an unknown camera, ValueError for one without a mount.
 
-    Faults: `covered` is a part of the image (x0, y0, x1, y1 in pixels) that something hangs in front of; `frozen` repeats
-    the last frame as it was.
+    Faults: `covered` is a part of the image (x0, y0, x1, y1 in pixels) that something hangs in front of; `frozen` shows
+    the next frame for ever.
     """
 
     def __init__(self, lab: Lab, camera_id: str, seed: int | None = None) -> None:

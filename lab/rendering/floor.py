@@ -142,6 +142,6 @@ def sample(texture: Texture, optics: Optics, rays: Float32, pose: SE2, height_m:
             [-s * drop, c * drop, (-s * dx + c * dy - texture.y0) / texture.texel_m],
         ]
     )
-    at = cv2.transform(rays, matrix)
-    # Both coordinates come in one map, so the second one is empty.
-    return np.asarray(cv2.remap(texture.pixels, at, np.empty(0), cv2.INTER_LINEAR), dtype=np.uint8)
+    # OpenCV 5.0 reads two coordinates per element of one map wrongly when the image has four channels.
+    columns, rows = cv2.split(cv2.transform(rays, matrix))
+    return np.asarray(cv2.remap(texture.pixels, columns, rows, cv2.INTER_LINEAR), dtype=np.uint8)

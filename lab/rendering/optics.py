@@ -5,7 +5,6 @@ Written from the formulas with nothing but arithmetic; it shares no code with wh
 """
 
 import math
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -112,24 +111,22 @@ def _undistort(model: CameraModel, target_x: Float64, target_y: Float64) -> tupl
     raise ValueError(f"the distortion {model.distortion} cannot be inverted inside an image of this size")
 
 
-@lru_cache(maxsize=2)
 def _rays(model: CameraModel) -> tuple[Float64, float]:
     """Undistorted normalised coordinates of every pixel, (height + 2 B, width + 2 B, 2), and the greatest radius among
-    them. Cameras of one kind share them."""
+    them."""
     us, vs = np.arange(-_BORDER_PX, model.width + _BORDER_PX), np.arange(-_BORDER_PX, model.height + _BORDER_PX)
     nodes_u, weights_u = _cubic_weights(us)
     nodes_v, weights_v = _cubic_weights(vs)
     grid_x, grid_y = np.meshgrid((nodes_u - model.cx) / model.fx, (nodes_v - model.cy) / model.fy)
     x, y = _undistort(model, grid_x, grid_y)
     rays = np.stack((weights_v @ x @ weights_u.T, weights_v @ y @ weights_u.T), axis=-1)
-    rays.setflags(write=False)
     return rays, float(np.hypot(x, y).max())
 
 
 def _cubic_weights(at: NDArray[np.int_]) -> tuple[Float64, Float64]:
     """Nodes (M,) around the positions `at` (N,), and the (N, M) matrix of Lagrange's cubic interpolation between them."""
     first = int(at[0]) - _NODE_PX
-    count = -(-(int(at[-1]) - first) // _NODE_PX) + 3
+    count = (int(at[-1]) - first) // _NODE_PX + 3
     position = (at - first) / _NODE_PX
     left = np.floor(position).astype(int)
     t = position - left
