@@ -13,6 +13,7 @@ from geometry import CameraModel
 from localization.detection import TagObservation
 from localization.extrinsics import MIN_TAGS, ExtrinsicsError, estimate_extrinsics, reprojection_px
 from localization.projection import CameraView, extrinsics_pose
+from localization.tag_pose import PoseNoise
 from localization.tags import KnownTags
 from protocol.messages import CameraExtrinsics
 
@@ -25,6 +26,8 @@ _MOVED_M = 0.006
 """Floor tags this far from where they should be mean that the camera moved; hand-measured tags are off by less."""
 _MOVED_IN_A_ROW = 3
 _SHAKE_PX = 1.0
+_LEAST_NOISE_PX = 0.03
+"""The detector's own limit on sharp tags; nothing is surer than that."""
 _PATIENCE = 5
 """Full searches in a row without floor tags after which there is no hurry to calibrate."""
 
@@ -50,6 +53,7 @@ class SelfCalibration:
         self._samples: list[Corners] | None = []
         self._suspicions = 0
         self._empty_searches = 0
+        self._corner_noise_px: float | None = None
         self.floor_tags_seen: tuple[int, ...] = ()
         self.problem: str | None = None
         if stored is not None:
@@ -64,6 +68,15 @@ class SelfCalibration:
     def view(self) -> CameraView | None:
         """The camera with these extrinsics."""
         return self._view
+
+    @property
+    def noise(self) -> PoseNoise:
+        """What limits poses from this camera, measured on its own floor tags: how much their corners flicker from frame to
+        frame, and how far off the extrinsics put them."""
+        default = PoseNoise()
+        flicker_px = default.corner_px if self._corner_noise_px is None else self._corner_noise_px
+        off_px = default.calibration_px if self._extrinsics is None else self._extrinsics.reprojection_px
+        return PoseNoise(max(_LEAST_NOISE_PX, flicker_px), max(_LEAST_NOISE_PX, off_px))
 
     @property
     def eager(self) -> bool:
@@ -105,6 +118,7 @@ class SelfCalibration:
         if shake_px > _SHAKE_PX:
             self.problem = f"not calibrated: the picture shakes, floor tags move by {shake_px:.1f} px"
             return None
+        self._corner_noise_px = shake_px
         try:
             estimate = estimate_extrinsics(self._model, mean, self._expected, self._size_m)
         except ExtrinsicsError as error:
@@ -155,14 +169,14 @@ class SelfCalibration:
 
 
 def _averaged(samples: list[Corners]) -> tuple[Corners, float]:
-    """Mean corners of the tags seen in at least half of the frames, and the median over tags of how much they moved (px)."""
+    """Mean corners of the tags seen in at least half of the frames, and the median over tags of their standard deviation (px)."""
     by_tag: dict[int, list[Array]] = {}
     for sample in samples:
         for tag_id, corners in sample.items():
             by_tag.setdefault(tag_id, []).append(corners)
     steady = {tag: np.array(seen) for tag, seen in by_tag.items() if 2 * len(seen) >= len(samples)}
     mean: Corners = {tag: seen.mean(axis=0) for tag, seen in steady.items()}
-    return mean, _median({tag: float(seen.std(axis=0).max()) for tag, seen in steady.items()})
+    return mean, _median({tag: float(np.sqrt(seen.var(axis=0, ddof=1).mean())) for tag, seen in steady.items()})
 
 
 def _median(values: Mapping[int, float]) -> float:

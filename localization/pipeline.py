@@ -13,7 +13,7 @@ the camera calibrated. Only corners are undistorted. The caller gives frames and
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import cast
 
 import numpy as np
@@ -41,11 +41,12 @@ _HASTY_SHARE = 4
 @dataclass(frozen=True, slots=True)
 class PipelineOptions:
     """`full_search_every`: K, a full search at least every K-th frame (None: about once a second).
-    `calibration_frames`: how many frames the floor tags' corners are averaged over."""
+    `calibration_frames`: how many frames the floor tags' corners are averaged over. `noise`: what limits poses (None:
+    as measured on the floor tags)."""
 
     full_search_every: int | None = None
     calibration_frames: int = 10
-    noise: PoseNoise = field(default_factory=PoseNoise)
+    noise: PoseNoise | None = None
 
 
 class CameraPipeline:
@@ -169,7 +170,13 @@ class CameraPipeline:
             self._calibration.observe(everywhere, frame.stamp_ns)
             self._size_full_search()
         else:
-            memory = self._last_seen.guesses(frame.stamp_ns, found)
+            # Memory serves where no track says more: a vehicle that drove on is not looked for at the picture's edge.
+            tracked = {
+                key
+                for key, vehicle in self._known.vehicles.items()
+                if vehicle.id in predicted and is_fresh(predicted[vehicle.id], frame.stamp_ns)
+            }
+            memory = self._last_seen.guesses(frame.stamp_ns, found | tracked)
             tags = without_duplicates([*tags, *self._windowed.find(frame.pixels, memory)])
         return tags
 
@@ -188,11 +195,12 @@ class CameraPipeline:
         view = self._calibration.view
         if view is None:
             return []
+        noise = self.options.noise or self._calibration.noise
         detections: list[Detection] = []
         for tag, plane in zip(tags, corners, strict=True):
             worn = self._known.vehicles[tag.key].tag
             try:
-                found = tag_pose(view, plane, worn.size_m, worn.height_m, self.options.noise)
+                found = tag_pose(view, plane, worn.size_m, worn.height_m, noise)
             except (NotATagError, PointsAtInfinityError):
                 continue  # a wrong reading: not the square that this vehicle wears
             detections.append(

@@ -4,11 +4,16 @@ It reads the channel's newest messages at a fixed rate instead of being told of 
 every camera would cost more than looking for tags does.
 """
 
+import logging
 import threading
+
+import redis
 
 from protocol.bus import SyncBus
 from protocol.channels import POSES
 from protocol.messages import TrackedPose
+
+_logger = logging.getLogger(__name__)
 
 
 class PoseFeed:
@@ -32,4 +37,7 @@ class PoseFeed:
 
     def _run(self) -> None:
         while not self._ended.wait(self._period_s):
-            self._newest = self._bus.latest_all(POSES) or self._newest
+            try:
+                self._newest = self._bus.latest_all(POSES) or self._newest
+            except redis.RedisError:
+                _logger.exception("cannot read the tracks")  # and go on: the camera also follows what it saw last

@@ -28,14 +28,17 @@ class NotATagError(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class PoseNoise:
-    """What limits a pose. `corner_px`: standard deviation of a corner, each axis (0.03 px for sharp tags, more with blur);
-    `calibration_m`, `calibration_rad`: what the extrinsics' own error adds, the same for every frame of one camera;
-    `max_misfit`: how far the corners may be off the tag's square, relative to its size."""
+    """What limits a pose. `corner_px`: standard deviation of a corner, each axis, new in every frame; `calibration_px`: how far
+    off the extrinsics put a point of the floor, the same in every frame of one camera; `max_misfit`: how far the corners may be
+    off the tag's square, relative to its size."""
 
     corner_px: float = 0.10
-    calibration_m: float = 0.0007
-    calibration_rad: float = 0.0005
+    calibration_px: float = 0.30
     max_misfit: float = 0.10
+
+
+_CALIBRATION_LEVER_M = 1.0
+"""Extrinsics that shift the floor by s turn it by about s over the distance of the floor tags; this is less than that."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -73,10 +76,12 @@ def tag_pose(view: CameraView, plane: Array, size_m: float, height_m: float, noi
     gain = np.zeros((3, 4, 2))
     gain[0, :, 0] = gain[1, :, 1] = 0.25
     gain[2] = tangents
-    per_pixel = hits.jacobians * (noise.corner_px / np.array([view.model.fx, view.model.fy]))
-    through = np.einsum("aij,ijk->aik", gain, per_pixel).reshape(3, 8)
+    per_pixel = hits.jacobians / np.array([view.model.fx, view.model.fy])
+    through = noise.corner_px * np.einsum("aij,ijk->aik", gain, per_pixel).reshape(3, 8)
     covariance = through @ through.T
-    covariance[[0, 1, 2], [0, 1, 2]] += (noise.calibration_m**2, noise.calibration_m**2, noise.calibration_rad**2)
+    shift = noise.calibration_px * per_pixel.mean(axis=0)
+    covariance[:2, :2] += shift @ shift.T
+    covariance[2, 2] += abs(float(np.linalg.det(shift))) / _CALIBRATION_LEVER_M**2
     return TagPose(SE2(float(centre[0]), float(centre[1]), yaw), covariance, misfit_m)
 
 

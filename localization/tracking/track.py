@@ -19,6 +19,9 @@ Array = NDArray[np.float64]
 LOST_AFTER_S = 0.5
 _GATE = 21.11
 """The 99.99 % quantile of chi-square with three degrees of freedom."""
+_DISAGREEMENT = np.diag([0.010**2, 0.010**2, 0.02**2])
+"""Cameras that are sure of themselves may still differ by this much (m, m, rad: a tag's height or a lens a little wrong). It
+widens the gate only; how sights are weighed is their own covariance's."""
 _HISTORY_S = 0.6
 _CLOCK_SET_BACK_S = 5.0
 """A sight this much older than the track is no late one: the cameras' clock was set back."""
@@ -83,11 +86,13 @@ class Track:
         return predict(state, stamp_ns, self._agility)
 
     def distance2(self, sight: Sight) -> float | None:
-        """Squared Mahalanobis distance of a sight from the track; None when there is no track to compare with."""
+        """Squared Mahalanobis distance of a sight from the track, with what cameras may disagree by allowed for; None when
+        there is no track to compare with."""
         before = self._before(sight.stamp_ns)
         if before is None or sight.stamp_ns - before.stamp_ns > LOST_AFTER_S * 1e9:
             return None
-        return innovation(predict(before, sight.stamp_ns, self._agility), sight.pose, sight.covariance).distance2
+        predicted = predict(before, sight.stamp_ns, self._agility)
+        return innovation(predicted, sight.pose, sight.covariance + _DISAGREEMENT).distance2
 
     def add(self, sight: Sight) -> Verdict:
         """Fuses a sight, or starts (again) with it, or refuses it."""

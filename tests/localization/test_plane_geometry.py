@@ -16,7 +16,7 @@ from localization.tags import tag_corners
 from tests.localization.synthetic import mount
 
 MODEL = CameraModel(1920, 1080, 1145.0, 1140.0, 955.0, 545.0, (-0.12, 0.04, 0.001, -0.0008, -0.003))
-NOISE = PoseNoise(calibration_m=0.0, calibration_rad=0.0)
+NOISE = PoseNoise(calibration_px=0.0)
 
 mounts = st.builds(
     mount,
@@ -122,7 +122,7 @@ def test_the_covariance_is_that_of_noisy_corners() -> None:
     truth, size, height = SE2(1.2, 0.4, 0.7), 0.16, 0.35
     corners = project(T, corners_of(truth, size, height))
     rng = np.random.default_rng(5)
-    noise = PoseNoise(corner_px=0.3, calibration_m=0.0, calibration_rad=0.0)
+    noise = PoseNoise(corner_px=0.3, calibration_px=0.0)
     errors: list[list[float]] = []
     for _ in range(4000):
         noisy = undistort(MODEL, corners + rng.normal(0.0, noise.corner_px, (4, 2)))
@@ -143,6 +143,15 @@ def test_doubt_grows_with_distance_and_obliqueness() -> None:
     assert higher == pytest.approx(4 * below, rel=0.05)
     # Looking along the floor, away from the camera's foot, stretches errors along the ray.
     assert doubt(mount(0, 0, 2, tilt_y=0.9), 3.0) > 2 * doubt(mount(0, 0, math.hypot(2, 3)), 0.0)
+
+
+def test_a_calibration_error_counts_whatever_the_tag_s_size() -> None:
+    """A pixel at 3 m is 3 / 1145 m; four corners do not average it away."""
+    T = mount(0, 0, 3)
+    plane = undistort(MODEL, project(T, corners_of(SE2(0.1, 0.0, 0.2), 0.16, 0.0)))
+    noise = PoseNoise(corner_px=0.0, calibration_px=1.0)
+    sigmas = np.sqrt(np.diag(tag_pose(CameraView(MODEL, T), plane, 0.16, 0.0, noise).covariance))
+    assert sigmas == pytest.approx([3 / 1145, 3 / 1140, 3 / 1142], rel=0.01)
 
 
 def test_corners_that_are_no_square_of_that_size_are_refused() -> None:

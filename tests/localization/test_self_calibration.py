@@ -116,6 +116,15 @@ def test_averaging_beats_a_single_frame() -> None:
     assert degrees < 0.05
 
 
+def test_the_noise_of_the_corners_is_measured_on_the_floor_tags() -> None:
+    calibration = SelfCalibration("left", MODEL, KNOWN, frames=40)
+    for k in range(40):
+        calibration.observe(observations(TRUTH, k, noise_px=0.2), k)
+    assert calibration.noise.corner_px == pytest.approx(0.2, rel=0.15)
+    assert calibration.extrinsics is not None
+    assert calibration.noise.calibration_px == pytest.approx(max(0.03, calibration.extrinsics.reprojection_px))
+
+
 def test_a_wrong_yaw_in_the_lab_file_is_refused_with_a_hint() -> None:
     text = small_lab().model_dump()
     text["floor_tags"]["poses"] = {tag: (x, y, yaw + 1.5708) for tag, (x, y, yaw) in LAB.floor_tags.poses.items()}

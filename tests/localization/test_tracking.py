@@ -143,6 +143,16 @@ def test_two_cameras_are_fused_by_their_covariance_never_alternated() -> None:
     assert places[-1] == pytest.approx(1.0 + 0.004 / 17, abs=0.0002)
 
 
+def test_cameras_that_are_surer_than_right_are_fused_all_the_same() -> None:
+    """Each claims a tenth of a millimetre and they differ by eight: neither may be shut out, or hand-over would break."""
+    tracker = Tracker(LAB)
+    for number in range(20):
+        stamp = number * PERIOD_NS
+        tracker.update(seen("left", stamp, detection(SE2(1.000, 0.5, 0.0), sigma_m=0.0001)))
+        pose = only(tracker.update(seen("right", stamp, detection(SE2(1.008, 0.5, 0.0), sigma_m=0.0001))))
+        assert pose.x == pytest.approx(1.004, abs=0.001)
+
+
 @given(st.permutations(range(8)), st.integers(0, 2**31))
 def test_the_order_of_arrival_does_not_matter(order: list[int], seed: int) -> None:
     rng = np.random.default_rng(seed)
