@@ -50,9 +50,9 @@ def nearest_blockage(
 
 
 def observed_share(area: BaseGeometry, grid: FloorGrid) -> float:
-    """The share of an area that cameras see, 0 to 1; 1 of no area."""
+    """The share of an area that cameras see, 0 to 1; 1 of an area so small that hardly a cell's centre lies in it."""
     total = area.area
-    if total <= 0:
+    if total < 8 * grid.cell_m**2:
         return 1.0
     return sum(grid.look(corners).observed_share * part.area for part, corners in _parts(area)) / total
 
