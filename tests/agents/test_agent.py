@@ -199,7 +199,7 @@ async def test_an_emergency_stop_survives_a_restart_of_the_server(world: World) 
     await world.server.start()
     registrations = len(world.server.registrations)
     await until(lambda: world.server.streams, "a new stream", 10.0)
-    await until(lambda: len(world.server.registrations) > registrations, "a new registration")
+    await until(lambda: len(world.server.registrations) > registrations, "a new registration, before it is due", 2.0)
     await asyncio.sleep(0.4)
     assert world.speed == 0.0
     world.server.send(EmergencyStop(engaged=False, epoch=2))
