@@ -2,7 +2,7 @@
 
     LILLIPUT_TOKEN=... python docs/examples/drive.py wifibot-14
 
-The token needs the role "operator": ./lilliput token create my-script --role operator
+The token needs the role "operator": ./lilliput token issue my-script --role operator
 """
 
 import argparse
