@@ -24,7 +24,7 @@ _logger = logging.getLogger(__name__)
 class CameraFeed:
     """`phase` in [0, 1) staggers the cameras within a period, so that they do not all draw at once."""
 
-    def __init__(self, renderer: CameraRenderer, folder: Path, phase: float, executor: Executor) -> None:
+    def __init__(self, renderer: CameraRenderer, ring: Path, phase: float, executor: Executor) -> None:
         spec = renderer.spec
         self.camera_id = spec.id
         self.renderer = renderer
@@ -33,7 +33,7 @@ class CameraFeed:
         self._rate_hz = spec.rate_hz
         self._period_ns = round(1e9 / spec.rate_hz)
         self._phase_ns = round(phase * self._period_ns)
-        self._writer = FrameWriter(folder / f"{spec.id}.ring", spec.width, spec.height, color=spec.color)
+        self._writer = FrameWriter(ring, spec.width, spec.height, color=spec.color)
         self._pixels = np.zeros(renderer.shape, dtype=np.uint8)
         self._executor = executor
         self._pending: Future[None] | None = None

@@ -15,7 +15,7 @@ from lab.world import World
 from protocol.bus import Bus
 from protocol.clock import Clock
 from protocol.lab import Lab
-from protocol.settings import Settings, frames_folder
+from protocol.settings import Settings, frame_ring
 
 _WORKERS = 2
 _MOST_BEHIND_NS = 1_000_000_000
@@ -68,7 +68,7 @@ class LabService:
             for feed in self.feeds:
                 feed.close()
             with contextlib.suppress(OSError):  # somebody else's frames may lie there too
-                frames_folder(self._settings.state).rmdir()
+                frame_ring(self._settings.state, "").parent.rmdir()
             await bus.close()
 
     async def _step_world(self) -> None:
@@ -88,13 +88,13 @@ class LabService:
 
     async def _open_cameras(self, executor: ThreadPoolExecutor) -> None:
         """Draws the empty floors in the workers while the world goes on already."""
-        folder = frames_folder(self._settings.state)
         cameras = [camera for camera in self._lab.cameras if camera.source == "sim"]
         loop = asyncio.get_running_loop()
         for index, camera in enumerate(cameras):
             renderer = await loop.run_in_executor(executor, CameraRenderer, self._lab, camera.id)
-            self.feeds.append(CameraFeed(renderer, folder, index / len(cameras), executor))
-            _logger.info("camera %s runs, %g frames per second into %s", camera.id, camera.rate_hz, folder)
+            ring = frame_ring(self._settings.state, camera.id)
+            self.feeds.append(CameraFeed(renderer, ring, index / len(cameras), executor))
+            _logger.info("camera %s runs, %g frames per second into %s", camera.id, camera.rate_hz, ring)
 
     async def _report(self) -> None:
         while True:

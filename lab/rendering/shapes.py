@@ -91,8 +91,8 @@ def pallet_shape(channels: int) -> Shape:
 
 def person_shape(object_id: str) -> Shape:
     """Legs, torso, arms' width at the shoulders, neck and head; clothes differ by id."""
-    clothes = np.random.default_rng(zlib.crc32(object_id.encode())).integers(30, 170, size=(2, 3))
-    legs, shirt = (tuple(int(part) for part in row) for row in clothes)
+    rng = np.random.default_rng(zlib.crc32(object_id.encode()))
+    legs, shirt = rng.integers(45, 110, size=3).tolist(), rng.integers(95, 210, size=3).tolist()
     skin: Colour = (128, 158, 196)
     hair: Colour = (34, 44, 58)
     # heights as shares of the whole, half axes along and across the heading in metres

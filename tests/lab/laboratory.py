@@ -14,7 +14,7 @@ from protocol.messages import DriveSetpoint, Odometry
 from protocol.settings import Settings
 from tests.lab.rooms import GULLIVER
 
-PATIENCE_S = 15.0
+PATIENCE_S = 30.0
 
 
 def free_udp_port() -> int:

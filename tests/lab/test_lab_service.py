@@ -21,7 +21,7 @@ from protocol.datagram import Datagram, pack
 from protocol.frames import Frame, FrameReader
 from protocol.lab import load_lab
 from protocol.messages import DriveSetpoint, GroundTruth, Odometry, SimulatedObject, TruePose
-from protocol.settings import Settings, frames_folder
+from protocol.settings import Settings, frame_ring
 from tests.lab.laboratory import PATIENCE_S, RobotComputer, robot_computer, settings_for, write_lab
 from tests.redis_fixture import RedisServer
 
@@ -65,7 +65,7 @@ def truth_in(client: redis.Redis) -> GroundTruth | None:
 
 
 async def ring(settings: Settings, camera_id: str) -> FrameReader:
-    path = frames_folder(settings.state) / f"{camera_id}.ring"
+    path = frame_ring(settings.state, camera_id)
     await until(path.exists, f"ring of {camera_id}")
     return FrameReader(path)
 
@@ -98,7 +98,7 @@ async def test_cameras_put_stamped_frames_into_their_rings(settings: Settings) -
             stamps = [frame.stamp_ns for frame in taken]
             assert (np.diff(stamps) >= 0.04e9).all(), "20 frames per second on steps of 10 ms"
             assert abs(time.time_ns() - stamps[-1]) < 1e9
-    assert not frames_folder(settings.state).exists(), "nothing is left behind"
+    assert not frame_ring(settings.state, "cam0").parent.exists(), "nothing is left behind"
 
 
 async def test_set_points_move_the_vehicle_and_odometry_comes_back(settings: Settings) -> None:
@@ -247,7 +247,7 @@ async def test_a_restarted_lab_finds_the_vehicles_where_they_stood(settings: Set
             def saved() -> bool:
                 raw = client.hget(keys.SIMULATED_STATE, WIFIBOT)
                 now = first.world.truth().vehicles[WIFIBOT]
-                return raw is not None and decode(TruePose, bytes(raw)) == now  # pyright: ignore[reportArgumentType]  # typed for both clients
+                return now.linear_mps == 0.0 and raw is not None and decode(TruePose, bytes(raw)) == now  # pyright: ignore[reportArgumentType]  # typed for both clients
 
             await until(saved, "it stands still and that is saved")
         stood, session = first.world.truth().vehicles[WIFIBOT], first.world.session

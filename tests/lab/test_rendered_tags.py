@@ -17,6 +17,12 @@ CAMERAS = ["cam0", "cam1", "cam2", "cam3"]
 EMPTY = standing()
 
 
+@pytest.fixture(scope="module")
+def renderers() -> dict[str, CameraRenderer]:
+    """The shipped room's cameras: a frame depends on nothing but its instant and number, so tests may share them."""
+    return {camera_id: CameraRenderer(gulliver(), camera_id) for camera_id in CAMERAS}
+
+
 def vehicle_corners(
     lab: Lab, vehicle_id: str, pose: SE2, camera_id: str
 ) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
@@ -25,10 +31,10 @@ def vehicle_corners(
 
 
 @pytest.mark.parametrize("camera_id", CAMERAS)
-def test_floor_tags_are_where_the_description_says(camera_id: str) -> None:
+def test_floor_tags_are_where_the_description_says(camera_id: str, renderers: dict[str, CameraRenderer]) -> None:
     lab = gulliver()
     index = int(camera_id[-1])
-    found = detected(CameraRenderer(lab, camera_id).render(EMPTY, 1))
+    found = detected(renderers[camera_id].render(EMPTY, 1))
     assert set(found) == {2 * index, 2 * index + 1, 2 * index + 2, 2 * index + 3}
     for tag_id, corners in found.items():
         pose = SE2(*lab.floor_tags.poses[tag_id])
@@ -38,7 +44,7 @@ def test_floor_tags_are_where_the_description_says(camera_id: str) -> None:
 
 
 @pytest.mark.parametrize("camera_id", CAMERAS)
-def test_vehicle_tags_are_at_their_true_height(camera_id: str) -> None:
+def test_vehicle_tags_are_at_their_true_height(camera_id: str, renderers: dict[str, CameraRenderer]) -> None:
     lab = gulliver()
     x, y, _ = lab.simulation.mounts[camera_id].position
     poses = {
@@ -48,7 +54,7 @@ def test_vehicle_tags_are_at_their_true_height(camera_id: str) -> None:
         "turtlebot-17": SE2(x - 0.1, y - 0.2, 1.57),
     }
     snapshot = standing(*((name, pose.x, pose.y, pose.yaw) for name, pose in poses.items()))
-    found = detected(CameraRenderer(lab, camera_id).render(snapshot, 1))
+    found = detected(renderers[camera_id].render(snapshot, 1))
     for name, pose in poses.items():
         tag = lab.vehicle(name).tag
         errors = found[tag.id] - vehicle_corners(lab, name, pose, camera_id)

@@ -32,7 +32,7 @@ def test_projection_agrees_with_opencv(camera_id: str) -> None:
     assert pixels == pytest.approx(projected(lab, camera_id, points), abs=1e-8)
 
 
-@settings(max_examples=20)
+@settings(max_examples=12)
 @given(
     distortion=st.tuples(
         st.floats(-0.15, 0.1), st.floats(-0.02, 0.04), st.floats(-2e-3, 2e-3), st.floats(-2e-3, 2e-3), st.just(0.0)

@@ -27,7 +27,7 @@ def pose_of(world: World) -> SE2:
     return SE2(truth.x, truth.y, truth.yaw)
 
 
-@settings(max_examples=25)
+@settings(max_examples=15)
 @given(st.lists(st.tuples(st.floats(-3, 3), st.floats(-4, 4)), min_size=1, max_size=12))
 def test_speeds_and_their_changes_stay_within_the_limits(twists: list[tuple[float, float]]) -> None:
     world = World(gulliver(drive=PERFECT))
