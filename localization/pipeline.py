@@ -170,13 +170,12 @@ class CameraPipeline:
             self._calibration.observe(everywhere, frame.stamp_ns)
             self._size_full_search()
         else:
-            # Memory serves where no track says more: a vehicle that drove on is not looked for at the picture's edge.
             tracked = {
                 key
                 for key, vehicle in self._known.vehicles.items()
                 if vehicle.id in predicted and is_fresh(predicted[vehicle.id], frame.stamp_ns)
             }
-            memory = self._last_seen.guesses(frame.stamp_ns, found | tracked)
+            memory = self._last_seen.guesses(frame.stamp_ns, found, tracked)
             tags = without_duplicates([*tags, *self._windowed.find(frame.pixels, memory)])
         return tags
 

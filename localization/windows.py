@@ -1,7 +1,7 @@
 """Where to look in the next frame: around the tracks, and around what this camera saw last (spec localization, "What the
 reports ask for next": one search per vehicle, its track projected into every camera that can see it)."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,6 +20,8 @@ Array = NDArray[np.float64]
 _LEAST_MARGIN = 0.2
 """Every window is at least this share of the tag's side wider than the tag: corners turn and blur."""
 _MEMORY_S = 2.0
+_MOMENT_S = 0.2
+"""So long memory helps a track that does not know its speed yet."""
 _MOST_MEMORY_MARGIN = 2.0
 """What was seen last is looked for at most this many sides away; further is the full search's work."""
 
@@ -81,13 +83,14 @@ class LastSeen:
                 x, y = tag.centre
                 self._seen[tag.key] = _Seen(stamp_ns, float(x), float(y), tag.side_px)
 
-    def guesses(self, stamp_ns: int, without: Iterable[TagKey] = ()) -> list[TagGuess]:
-        """A guess for every tag seen within the last two seconds, the wider the longer ago; none for `without`."""
-        skip = set(without)
+    def guesses(self, stamp_ns: int, found: Collection[TagKey], tracked: Collection[TagKey]) -> list[TagGuess]:
+        """A guess for every tag seen within the last two seconds, the wider the longer ago; none for those `found` already,
+        and after a moment none for `tracked` ones: a vehicle that drove on is not looked for at the picture's edge."""
         guesses: list[TagGuess] = []
         for key, seen in self._seen.items():
             age_s = (stamp_ns - seen.stamp_ns) * 1e-9
-            if key in skip or not 0 <= age_s <= _MEMORY_S:
+            longest_s = _MOMENT_S if key in tracked else _MEMORY_S
+            if key in found or not 0 <= age_s <= longest_s:
                 continue
             vehicle = self._known.vehicles[key]
             travelled_px = vehicle.limits.speed_mps * age_s * seen.side_px / vehicle.tag.size_m

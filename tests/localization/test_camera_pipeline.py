@@ -146,6 +146,15 @@ def test_without_tracks_it_follows_by_what_it_saw_last() -> None:
         assert ids(found) == {10}
 
 
+def test_a_track_that_does_not_know_its_speed_yet_is_helped_by_memory() -> None:
+    """Just found, at its full speed: the track says that it stands where it was seen."""
+    camera = settled(every=1000)
+    track = {"robot-10": track_of("robot-10", SE2(0.7, 0.5, 0.2), START_NS + 2 * PERIOD_NS)}
+    found = camera.process(picture(4, robot_10=SE2(0.83, 0.5, 0.2)), track)
+    assert not found.full_search
+    assert ids(found) == {10}
+
+
 def test_what_was_hidden_for_a_second_is_found_again_without_a_full_search() -> None:
     camera = settled(every=1000)
     for number in range(3, 18):
@@ -220,8 +229,8 @@ def test_a_drive_across_both_cameras_is_followed_within_millimetres() -> None:
     errors: list[float] = []
     seen_by: set[tuple[str, ...]] = set()
     previous: tuple[float, float] | None = None
-    for number in range(32):
-        pose = SE2(0.3 + 0.075 * number, 0.5 + 0.1 * math.sin(number / 6), 0.3 * math.sin(number / 6))
+    for number in range(26):
+        pose = SE2(0.3 + 0.09 * number, 0.5 + 0.1 * math.sin(number / 5), 0.3 * math.sin(number / 5))
         error = None
         for name, camera in cameras.items():
             found = camera.process(picture(number, name, robot_10=pose), poses)
