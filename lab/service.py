@@ -89,6 +89,8 @@ class LabService:
     async def _open_cameras(self, executor: ThreadPoolExecutor) -> None:
         """Draws the empty floors in the workers while the world goes on already."""
         cameras = [camera for camera in self._lab.cameras if camera.source == "sim"]
+        for camera in cameras:  # a killed lab leaves its last frames behind
+            frame_ring(self._settings.state, camera.id).unlink(missing_ok=True)
         loop = asyncio.get_running_loop()
         for index, camera in enumerate(cameras):
             renderer = await loop.run_in_executor(executor, CameraRenderer, self._lab, camera.id)
