@@ -20,6 +20,8 @@ from server.views.health import UdpView
 
 _BATCH_S = 0.05
 _TOLD_EVERY_S = 60.0
+_NORMAL = (Verdict.DUPLICATE.value, Verdict.OUT_OF_ORDER.value)
+"""Networks do these by themselves; they are counted, not told."""
 _logger = logging.getLogger(__name__)
 
 
@@ -58,7 +60,7 @@ class StatusListener(asyncio.DatagramProtocol):
 
     def view(self) -> UdpView:
         """The counters, for the health."""
-        counts, verdicts = self.counts, self._guard.counts
+        counts = self.counts
         return UdpView(
             listening=self._listening,
             received=counts["received"],
@@ -67,10 +69,10 @@ class StatusListener(asyncio.DatagramProtocol):
             wrong_kind=counts["wrong_kind"],
             unknown_robot=counts["unknown_robot"],
             wrong_sender=counts["wrong_sender"],
-            old=verdicts[Verdict.OLD],
-            future=verdicts[Verdict.FUTURE],
-            duplicate=verdicts[Verdict.DUPLICATE],
-            out_of_order=verdicts[Verdict.OUT_OF_ORDER],
+            old=counts["old"],
+            future=counts["future"],
+            duplicate=counts["duplicate"],
+            out_of_order=counts["out_of_order"],
             last_problem=self._problem,
         )
 
@@ -115,12 +117,11 @@ class StatusListener(asyncio.DatagramProtocol):
             await self._clock.sleep(_BATCH_S)
 
     def _refuse(self, cause: str, text: str) -> None:
-        if cause not in Verdict:
-            self.counts[cause] += 1
+        self.counts[cause] += 1
         self._problem = text
         now_s = self._clock.monotonic_s()
-        if cause in (Verdict.DUPLICATE, Verdict.OUT_OF_ORDER) or now_s < self._told_s.get(cause, -1e9) + _TOLD_EVERY_S:
-            return  # networks do the former by themselves
+        if cause in _NORMAL or now_s < self._told_s.get(cause, -1e9) + _TOLD_EVERY_S:
+            return
         self._told_s[cause] = now_s
         _logger.warning("refused: %s", text)
         self._untold.append(

@@ -106,7 +106,7 @@ async def served(
             await asyncio.wait_for(task, 5)
 
 
-async def until(condition: Callable[[], bool | Awaitable[bool]], within_s: float = 5.0) -> None:
+async def until(condition: Callable[[], bool | Awaitable[bool]], within_s: float = 15.0) -> None:
     """Returns when the condition holds; fails when it does not within the time."""
     deadline = time.monotonic() + within_s
     while True:

@@ -30,7 +30,7 @@ class EventStream:
     ) -> None:
         await self.response.aclose()
 
-    async def event(self, within_s: float = 5.0) -> tuple[str, str]:
+    async def event(self, within_s: float = 15.0) -> tuple[str, str]:
         """Name and data of the next event; comments are counted."""
         name = ""
         async with asyncio.timeout(within_s):
@@ -43,7 +43,7 @@ class EventStream:
                     return name, line.removeprefix("data: ")
         raise httpx.RemoteProtocolError("the stream has ended")
 
-    async def comment(self, within_s: float = 5.0) -> None:
+    async def comment(self, within_s: float = 15.0) -> None:
         """Returns at the next comment."""
         async with asyncio.timeout(within_s):
             async for line in self._lines:
@@ -52,7 +52,7 @@ class EventStream:
                     return
         raise httpx.RemoteProtocolError("the stream has ended")
 
-    async def ended(self, within_s: float = 5.0) -> bool:
+    async def ended(self, within_s: float = 15.0) -> bool:
         """Whether the stream ends within the time."""
         try:
             async with asyncio.timeout(within_s):

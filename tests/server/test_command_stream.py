@@ -1,0 +1,186 @@
+"""The robots' streams of commands: first the latch, newest wins, alive without Redis, gone with the client or the server."""
+
+import asyncio
+import json
+
+import httpx
+import redis.asyncio
+
+from protocol.channels import COMMANDS
+from protocol.clock import SystemClock
+from server.live.command_stream import command_stream
+from server.live.feeds import CommandFeeds
+from protocol.messages import EmergencyStop
+from tests.redis_fixture import RedisServer
+from tests.server.samples import command
+from tests.server.service import ROBOT, in_process, served, until
+from tests.server.streams import EventStream
+
+CLOCK = SystemClock()
+
+
+async def _yes() -> bool:
+    return True
+
+
+async def test_commands_reach_their_robot_only(redis_url: str) -> None:
+    async with served(redis_url) as (service, _), EventStream(service, "robot", ROBOT) as stream:
+        assert (await stream.event())[0] == "emergency_stop"
+        bus = service.context.bus
+        for sequence in (1, 2):
+            sent = command(ROBOT, CLOCK.now_ns(), sequence)
+            await bus.publish(COMMANDS, "wifibot-15", command("wifibot-15", CLOCK.now_ns()))
+            await bus.publish(COMMANDS, ROBOT, sent)
+            name, data = await stream.event()
+            assert (name, data) == ("command", sent.model_dump_json())
+
+
+async def test_a_stream_is_refused_for_unknown_robots(redis_url: str) -> None:
+    async with in_process(redis_url) as service:
+        answer = await service.http("operator").get("/api/robots/nobody/commands")
+        assert answer.status_code == 404
+        assert answer.json()["detail"] == "there is no robot 'nobody' in lab 'gulliver'"
+
+
+async def test_a_slow_robot_misses_old_commands_but_never_the_newest() -> None:
+    feeds = CommandFeeds()
+    feeds.stop(EmergencyStop(engaged=False))
+    stream = command_stream(feeds, ROBOT, CLOCK, _yes)
+    assert (await anext(stream)).startswith(b"event: emergency_stop\n")
+    for sequence in range(1, 100):
+        feeds.command(command(ROBOT, 1, sequence))
+    newest = json.loads((await anext(stream)).split(b"data: ")[1])
+    assert newest["sequence"] == 99
+    feeds.command(command(ROBOT, 1, 100))
+    feeds.stop(EmergencyStop(engaged=True, epoch=1, stamp_ns=5))
+    assert (await anext(stream)).startswith(b"event: emergency_stop\n")
+    assert json.loads((await anext(stream)).split(b"data: ")[1])["sequence"] == 100
+    await stream.aclose()
+    assert len(feeds) == 0
+
+
+async def test_no_command_goes_out_before_the_latch_is_known() -> None:
+    feeds = CommandFeeds()
+    feeds.command(command(ROBOT, 1))
+    stream = command_stream(feeds, ROBOT, CLOCK, _yes)
+    assert await anext(stream) == b": keep-alive\n\n"
+    feeds.stop(EmergencyStop(engaged=True, reason="fire"))
+    assert (await anext(stream)).startswith(b"event: emergency_stop\n")
+    assert (await anext(stream)).startswith(b"event: command\n")
+    feeds.close()
+    assert [chunk async for chunk in stream] == []
+
+
+def test_an_older_release_does_not_undo_a_stop() -> None:
+    feeds = CommandFeeds()
+    engaged = EmergencyStop(engaged=True, epoch=3, stamp_ns=30)
+    assert feeds.stop(engaged)
+    assert not feeds.stop(EmergencyStop(engaged=False, epoch=2, stamp_ns=20))
+    assert feeds.emergency_stop == engaged
+    released = EmergencyStop(engaged=False, epoch=4, stamp_ns=40)
+    assert feeds.stop(released)
+    # What engages is believed even when its stamp is old: a clock may have been set back.
+    assert feeds.stop(EmergencyStop(engaged=True, epoch=1, stamp_ns=10))
+
+
+async def test_a_stream_stays_open_without_redis_and_goes_on_with_it(redis_server: RedisServer) -> None:
+    async with served(redis_server.url) as (service, _), EventStream(service, "robot", ROBOT) as stream:
+        await stream.event()
+        redis_server.kill()
+        for _ in range(3):
+            await stream.comment(within_s=1.5)
+        redis_server.start()
+        sent = command(ROBOT, CLOCK.now_ns())
+        bus = service.context.bus
+
+        async def delivered() -> bool:
+            await bus.publish(COMMANDS, ROBOT, sent)
+            return (await stream.event())[0] == "command"
+
+        await until(delivered, within_s=10)
+
+
+async def test_a_client_that_left_is_forgotten(redis_url: str) -> None:
+    async with served(redis_url) as (service, _):
+        feeds = service.context.hub.feeds
+        async with EventStream(service, "robot", ROBOT) as stream:
+            await stream.event()
+            assert len(feeds) == 1
+        await until(lambda: len(feeds) == 0, within_s=2)
+
+
+async def test_streams_end_with_the_server(redis_url: str) -> None:
+    async with served(redis_url) as (service, serving), EventStream(service, "robot", ROBOT) as stream:
+        await stream.event()
+        started = CLOCK.monotonic_s()
+        serving.should_exit = True
+        assert await stream.ended(within_s=2)
+        assert CLOCK.monotonic_s() - started < 1.5
+
+
+async def test_a_revoked_token_ends_the_stream() -> None:
+    feeds, allowed = CommandFeeds(), True
+
+    class Hasty(SystemClock):
+        def monotonic_s(self) -> float:
+            return super().monotonic_s() * 100
+
+    async def may_listen() -> bool:
+        return allowed
+
+    stream = command_stream(feeds, ROBOT, Hasty(), may_listen)
+    assert await anext(stream) == b": keep-alive\n\n"
+    allowed = False
+    assert [chunk async for chunk in stream] == []
+
+
+async def test_registration(redis_url: str) -> None:
+    async with in_process(redis_url) as service:
+        robot = service.http("robot")
+        body = {"kind": "wifibot", "udp_port": 4711, "session": "s1"}
+        answer = await robot.post(f"/api/robots/{ROBOT}/registration", json=body)
+        assert answer.json() == {"robots_udp": service.udp_port, "pose_rate_hz": 15.0}
+        await robot.post(f"/api/robots/{ROBOT}/registration", json=body)
+        await robot.post(f"/api/robots/{ROBOT}/registration", json={**body, "session": "s2"})
+        registered = await _registration(redis_url)
+        assert (registered["host"], registered["udp_port"], registered["session"]) == ("127.0.0.1", 4711, "s2")
+        kinds = [event["kind"] for event in (await service.http("viewer").get("/api/events")).json()]
+        assert kinds.count("robot_registered") == 2
+        for bad in ({"udp_port": 0}, {"udp_port": 70000}, {}, {"udp_port": 1, "host": "evil"}):
+            assert (await robot.post(f"/api/robots/{ROBOT}/registration", json=bad)).status_code == 422
+
+
+async def _registration(url: str) -> dict[str, object]:
+    async with redis.asyncio.Redis.from_url(url) as client:
+        return json.loads(await client.hget("lilliput:live:registrations", ROBOT))  # type: ignore[misc,arg-type]
+
+
+async def test_responses_are_kept_and_must_be_the_robots_own(redis_url: str) -> None:
+    async with in_process(redis_url) as service:
+        robot = service.http("robot")
+        response = {
+            "robot": ROBOT,
+            "command_order": [1, 7],
+            "command_stamp_ns": 1,
+            "stamp_ns": 2,
+            "outcome": "reached",
+            "movement": "MoveTo",
+            "reached_ns": 2,
+        }
+        assert (await robot.post(f"/api/robots/{ROBOT}/responses", json=response)).status_code == 204
+        wrong = await robot.post(f"/api/robots/{ROBOT}/responses", json={**response, "robot": "wifibot-15"})
+        assert wrong.status_code == 422
+        async with redis.asyncio.Redis.from_url(redis_url) as client:
+            entries = await client.xrange("lilliput:stream:responses")
+        assert [json.loads(fields[b"m"])["command_order"] for _, fields in entries] == [[1, 7]]
+
+
+async def test_the_stream_needs_no_patience_of_the_client(redis_url: str) -> None:
+    """Connecting and leaving a hundred times leaves nothing behind."""
+    async with served(redis_url) as (service, _):
+        for _ in range(5):
+            streams = [EventStream(service, "robot", ROBOT) for _ in range(20)]
+            await asyncio.gather(*(stream.__aenter__() for stream in streams))
+            await asyncio.gather(*(stream.__aexit__(None, None, None) for stream in streams))
+        await until(lambda: len(service.context.hub.feeds) == 0)
+        assert (await httpx.AsyncClient(trust_env=False).get(f"{service.base_url}/api/health")).status_code == 200
