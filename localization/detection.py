@@ -31,6 +31,8 @@ _MIN_MARGIN = 20.0
 _MIN_CORRECTED_MARGIN = 35.0
 """A code with a corrected bit must be read more clearly than a whole one."""
 _MAX_CORRECTED_BITS = 1
+_WHITE_BORDER = 0.6 / 8
+"""How much of the white cell around the eight of a tag's side must be seen, relative to the side."""
 _MIN_IMAGE_PX = 8
 """The detector finds nothing in less, and is not asked to."""
 
@@ -173,6 +175,15 @@ def without_duplicates(tags: Iterable[TagObservation]) -> list[TagObservation]:
         if not any(tag.key == other.key and _distance(tag, other) < other.side_px / 2 for other in kept):
             kept.append(tag)
     return kept
+
+
+def is_whole(tag: TagObservation, image: Image) -> bool:
+    """Whether the tag's white border is in the picture too. The detector also reads tags that are cut off a little, and puts
+    the missing corner at the picture's edge, several millimetres from where it is."""
+    border_px = _WHITE_BORDER * tag.side_px
+    height, width = image.shape[:2]
+    low, high = tag.corners.min(axis=0), tag.corners.max(axis=0)
+    return bool((low >= border_px).all() and high[0] <= width - 1 - border_px and high[1] <= height - 1 - border_px)
 
 
 def _observation(family: str, raw: dict[str, Any], shift: NDArray[np.float64]) -> TagObservation:

@@ -12,7 +12,7 @@ the camera calibrated. Only corners are undistorted. The caller gives frames and
         poses.update({pose.vehicle: pose for pose in tracker.update(detections)})
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import cast
 
@@ -20,7 +20,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from localization.calibration import SelfCalibration
-from localization.detection import FullSearch, TagDetector, TagGuess, TagObservation, WindowedSearch, without_duplicates
+from localization.detection import (
+    FullSearch,
+    TagDetector,
+    TagGuess,
+    TagObservation,
+    TagSearch,
+    WindowedSearch,
+    is_whole,
+    without_duplicates,
+)
 from localization.prediction import is_fresh
 from localization.projection import CameraView, PointsAtInfinityError, undistort
 from localization.tag_pose import NotATagError, PoseNoise, tag_pose, upper
@@ -161,10 +170,10 @@ class CameraPipeline:
         view = self._calibration.view
         if view is not None:
             guesses = guesses_from_tracks(view, self._known, predicted, frame.stamp_ns)
-        tags = self._windowed.find(frame.pixels, guesses)
+        tags = self._search(self._windowed, frame, guesses)
         found = {tag.key for tag in tags}
         if full:
-            everywhere = self._full.find(frame.pixels)
+            everywhere = self._search(self._full, frame)
             self._floor_tags = tuple(tag for tag in everywhere if tag.key in self._known.floor)
             tags = without_duplicates([*tags, *everywhere])
             self._calibration.observe(everywhere, frame.stamp_ns)
@@ -176,8 +185,11 @@ class CameraPipeline:
                 if vehicle.id in predicted and is_fresh(predicted[vehicle.id], frame.stamp_ns)
             }
             memory = self._last_seen.guesses(frame.stamp_ns, found, tracked)
-            tags = without_duplicates([*tags, *self._windowed.find(frame.pixels, memory)])
+            tags = without_duplicates([*tags, *self._search(self._windowed, frame, memory)])
         return tags
+
+    def _search(self, search: TagSearch, frame: Frame, guesses: Sequence[TagGuess] = ()) -> list[TagObservation]:
+        return [tag for tag in search.find(frame.pixels, guesses) if is_whole(tag, frame.pixels)]
 
     def _size_full_search(self) -> None:
         """Once the camera knows its height, the full search is as coarse as the smallest tag in its view allows."""

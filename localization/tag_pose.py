@@ -34,7 +34,7 @@ class PoseNoise:
 
     corner_px: float = 0.10
     calibration_px: float = 0.30
-    max_misfit: float = 0.10
+    max_misfit: float = 0.05
 
 
 _CALIBRATION_LEVER_M = 1.0
