@@ -13,7 +13,7 @@ if (!root) throw new Error("index.html has no #root");
 createRoot(root).render(
   <StrictMode>
     <MantineProvider theme={theme} defaultColorScheme="auto">
-      <Notifications position="bottom-left" limit={4} />
+      <Notifications position="bottom-center" limit={4} />
       <App />
     </MantineProvider>
   </StrictMode>,

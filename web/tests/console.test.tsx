@@ -20,7 +20,7 @@ function show(element: React.ReactNode) {
   return render(<MantineProvider>{element}</MantineProvider>);
 }
 
-const sent = () => fetch.mock.calls.map(([address, options]) => [options?.method, address, options?.body].join(" "));
+const sent = () => fetch.mock.calls.map(([address, options]) => [options?.method, address, options?.body]);
 
 beforeEach(() => {
   vi.stubGlobal("fetch", fetch);
@@ -49,7 +49,7 @@ describe("the emergency stop", () => {
       fireEvent.click(screen.getByTestId("estop-engage"));
       await Promise.resolve();
     });
-    expect(sent()).toEqual(['POST /api/estop {"reason":"button"}']);
+    expect(sent()).toEqual([["POST", "/api/estop", '{"reason":"red button in the console"}']]);
   });
 
   it("engages with Shift + Space, also while somebody types, once per press", async () => {
@@ -66,7 +66,7 @@ describe("the emergency stop", () => {
       fireEvent.keyDown(screen.getByLabelText("text"), { code: "Space" });
       await Promise.resolve();
     });
-    expect(sent()).toEqual(['POST /api/estop {"reason":"keyboard"}']);
+    expect(sent()).toEqual([["POST", "/api/estop", '{"reason":"Shift + Space in the console"}']]);
   });
 
   it("is not for viewers", () => {
@@ -92,7 +92,7 @@ describe("the emergency stop", () => {
     fireEvent.click(screen.getByTestId("estop-release"));
     expect(sent()).toEqual([]);
     fireEvent.click(await screen.findByTestId("estop-release-confirm"));
-    expect(sent()).toEqual(['DELETE /api/estop {"confirm":true}']);
+    expect(sent()).toEqual([["DELETE", "/api/estop", '{"confirm":true}']]);
   });
 });
 

@@ -15,7 +15,7 @@ export function EmergencyStopButton() {
 
   const stop = async () => {
     setBusy(true);
-    await engage("button");
+    await engage("red button in the console");
     setBusy(false);
   };
   const hint = may

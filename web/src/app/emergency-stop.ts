@@ -21,7 +21,7 @@ export function useEmergencyStopKey(enabled: boolean): void {
       if (event.code !== "Space" || !event.shiftKey) return;
       event.preventDefault();
       event.stopPropagation();
-      if (!event.repeat) void engage("keyboard");
+      if (!event.repeat) void engage(`${SHORTCUT} in the console`);
     };
     window.addEventListener("keydown", onKey, { capture: true });
     return () => window.removeEventListener("keydown", onKey, { capture: true });

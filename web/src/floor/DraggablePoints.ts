@@ -2,13 +2,14 @@
  * Things on the map that a person may drag: waypoints and simulated objects. A dropped thing stays where it was dropped
  * until the live state follows, and goes back when the server refuses.
  */
-import Collection from "ol/Collection";
 import Feature from "ol/Feature";
+import type MapBrowserEvent from "ol/MapBrowserEvent";
 import PointGeometry from "ol/geom/Point";
-import Translate from "ol/interaction/Translate";
+import PointerInteraction from "ol/interaction/Pointer";
 import VectorLayer from "ol/layer/Vector";
 import VectorSource from "ol/source/Vector";
 import type Style from "ol/style/Style";
+import type { Point } from "../geometry/points";
 
 export interface Placed {
   readonly id: string;
@@ -19,6 +20,8 @@ export interface Placed {
 export interface DraggableOptions<T> {
   readonly zIndex: number;
   readonly style: (thing: T, resolution: number) => Style[];
+  /** How far from its centre a thing can be grabbed, metres. */
+  readonly reach: (thing: T, resolution: number) => number;
   /** Asks the server to move it; false when it refused. */
   readonly onMove: (thing: T, x: number, y: number) => Promise<boolean>;
 }
@@ -27,12 +30,13 @@ type PointFeature = Feature<PointGeometry>;
 
 export class DraggablePoints<T extends Placed> {
   readonly layer: VectorLayer;
-  readonly drag: Translate;
+  /** Add it to the map to let things be dragged. */
+  readonly interaction: PointerInteraction;
   private readonly source = new VectorSource<PointFeature>();
-  private readonly features = new Collection<PointFeature>();
   private things: Readonly<Record<string, T>> = {};
+  private dragged: { readonly id: string; isMoved: boolean } | null = null;
   /** What was dropped and not confirmed yet, as it was before. */
-  private readonly unconfirmed = new Map<string, T | null>();
+  private readonly unconfirmed = new Map<string, T>();
 
   constructor(private readonly options: DraggableOptions<T>) {
     this.layer = new VectorLayer({
@@ -45,9 +49,15 @@ export class DraggablePoints<T extends Placed> {
         return thing ? options.style(thing, resolution) : [];
       },
     });
-    this.drag = new Translate({ features: this.features, hitTolerance: 6 });
-    this.drag.on("translatestart", (event) => event.features.forEach((feature) => this.begin(feature)));
-    this.drag.on("translateend", (event) => event.features.forEach((feature) => void this.drop(feature)));
+    this.interaction = new PointerInteraction({
+      handleDownEvent: (event: MapBrowserEvent) =>
+        this.layer.getVisible() && isMainButton(event) && this.grab(...at(event)),
+      handleDragEvent: (event: MapBrowserEvent) => this.drag(at(event)[0]),
+      handleUpEvent: () => {
+        void this.drop();
+        return false;
+      },
+    });
   }
 
   update(things: Readonly<Record<string, T>>): void {
@@ -64,49 +74,79 @@ export class DraggablePoints<T extends Placed> {
     this.source.changed();
   }
 
-  /** The thing that a feature found on the map stands for. */
-  thing(feature: unknown): T | null {
-    return feature instanceof Feature ? (this.things[String(feature.getId())] ?? null) : null;
+  /** The nearest thing that can be grabbed at a point of the floor. */
+  at([x, y]: Point, resolution: number): T | null {
+    let nearest: T | null = null;
+    let smallest = Infinity;
+    for (const thing of Object.values(this.things)) {
+      const distance = Math.hypot(thing.x - x, thing.y - y);
+      if (distance > this.options.reach(thing, resolution) || distance >= smallest) continue;
+      nearest = thing;
+      smallest = distance;
+    }
+    return nearest;
+  }
+
+  /** Begins to drag what is there; false when nothing is. */
+  grab(point: Point, resolution: number): boolean {
+    const thing = this.at(point, resolution);
+    this.dragged = thing && { id: thing.id, isMoved: false };
+    return thing !== null;
+  }
+
+  drag([x, y]: Point): void {
+    if (!this.dragged) return;
+    this.dragged.isMoved = true;
+    this.geometry(this.dragged.id)?.setCoordinates([x, y]);
+  }
+
+  /** Leaves what is dragged where it is, and has it moved there. */
+  async drop(): Promise<void> {
+    const { dragged } = this;
+    this.dragged = null;
+    const thing = dragged?.isMoved ? this.things[dragged.id] : undefined;
+    if (!thing) return;
+    const [x = thing.x, y = thing.y] = this.geometry(thing.id)?.getCoordinates() ?? [];
+    this.unconfirmed.set(thing.id, thing);
+    if (await this.options.onMove(thing, round(x), round(y))) return;
+    this.unconfirmed.delete(thing.id);
+    const now = this.things[thing.id];
+    if (now) this.show(now);
   }
 
   private show(thing: T): void {
-    const before = this.unconfirmed.get(thing.id);
-    if (before === null || before === thing) return;
+    if (this.dragged?.id === thing.id || this.unconfirmed.get(thing.id) === thing) return;
     this.unconfirmed.delete(thing.id);
-    const feature = this.source.getFeatureById(thing.id);
-    if (feature instanceof Feature) {
-      feature.getGeometry()?.setCoordinates([thing.x, thing.y]);
+    const geometry = this.geometry(thing.id);
+    if (geometry) {
+      geometry.setCoordinates([thing.x, thing.y]);
       return;
     }
     const added = new Feature(new PointGeometry([thing.x, thing.y]));
     added.setId(thing.id);
     this.source.addFeature(added);
-    this.features.push(added);
   }
 
   private remove(id: string): void {
-    const feature = this.features.getArray().find((candidate) => candidate.getId() === id);
-    if (!feature) return;
-    this.source.removeFeature(feature);
-    this.features.remove(feature);
+    const feature = this.source.getFeatureById(id);
+    if (feature instanceof Feature) this.source.removeFeature(feature);
     this.unconfirmed.delete(id);
   }
 
-  private begin(feature: Feature): void {
-    this.unconfirmed.set(String(feature.getId()), null);
+  /** Where a thing is drawn. */
+  geometry(id: string): PointGeometry | null {
+    const feature = this.source.getFeatureById(id);
+    return feature instanceof Feature ? (feature.getGeometry() ?? null) : null;
   }
+}
 
-  private async drop(feature: Feature): Promise<void> {
-    const geometry = feature.getGeometry();
-    const thing = this.thing(feature);
-    if (!thing || !(geometry instanceof PointGeometry)) return;
-    const [x = thing.x, y = thing.y] = geometry.getCoordinates();
-    this.unconfirmed.set(thing.id, thing);
-    if (await this.options.onMove(thing, round(x), round(y))) return;
-    this.unconfirmed.delete(thing.id);
-    const now = this.things[thing.id];
-    if (now) geometry.setCoordinates([now.x, now.y]);
-  }
+function at(event: MapBrowserEvent): [point: Point, resolution: number] {
+  const [x = 0, y = 0] = event.coordinate;
+  return [[x, y], event.map.getView().getResolution() ?? 0.01];
+}
+
+function isMainButton({ originalEvent }: MapBrowserEvent): boolean {
+  return originalEvent instanceof MouseEvent && originalEvent.button === 0;
 }
 
 /** To the millimetre: what a hand does on a map is no finer. */

@@ -5,7 +5,6 @@
 import OpenLayersMap from "ol/Map";
 import type MapBrowserEvent from "ol/MapBrowserEvent";
 import View from "ol/View";
-import ScaleLine from "ol/control/ScaleLine";
 import { defaults as defaultInteractions } from "ol/interaction/defaults";
 import type { LabView, SimulatedObject, Waypoint } from "../api/types";
 import { occupiedRuns, type Rectangle } from "../geometry/raster";
@@ -38,6 +37,8 @@ export interface FloorMapActions {
 
 const FRAME_MS = 33;
 const MARGIN_M = 0.4;
+/** Things are grabbed within this distance, however small they are drawn. */
+const REACH_PX = 14;
 /** How often the map looks by itself whether what it shows has grown old. */
 const AGEING_MS = 1000;
 
@@ -64,16 +65,18 @@ export class FloorMap {
     this.waypoints = new DraggablePoints<Waypoint>({
       zIndex: 2,
       style: (waypoint, resolution) => waypointStyle(this.palette, waypoint, resolution),
+      reach: ({ radius_m }, resolution) => Math.max(radius_m, REACH_PX * resolution),
       onMove: actions.onMoveWaypoint,
     });
     this.objects = new DraggablePoints<SimulatedObject>({
       zIndex: 3,
       style: (thing) => objectStyle(this.palette, thing),
+      reach: (_, resolution) => REACH_PX * resolution,
       onMove: actions.onMoveObject,
     });
     this.map = new OpenLayersMap({
       target,
-      controls: [new ScaleLine({ units: "metric", minWidth: 80 })],
+      controls: [],
       interactions: defaultInteractions({ altShiftDragRotate: false, pinchRotate: false, doubleClickZoom: false }),
       view: new View({ projection: floorProjection, center: [0, 0], resolution: 0.01, constrainResolution: false }),
       layers: [
@@ -171,9 +174,9 @@ export class FloorMap {
   }
 
   setEditable(editable: boolean): void {
-    for (const { drag } of [this.waypoints, this.objects]) {
-      this.map.removeInteraction(drag);
-      if (editable) this.map.addInteraction(drag);
+    for (const { interaction } of [this.waypoints, this.objects]) {
+      this.map.removeInteraction(interaction);
+      if (editable) this.map.addInteraction(interaction);
     }
   }
 
@@ -214,13 +217,12 @@ export class FloorMap {
 
   private hit(pixel: number[]): Hit {
     const [x = 0, y = 0] = this.map.getCoordinateFromPixel(pixel);
-    const feature = this.map.forEachFeatureAtPixel(pixel, (found) => found, { hitTolerance: 4 });
     const resolution = this.map.getView().getResolution() ?? 0.01;
     return {
       point: [x, y],
       robot: this.robots.at([x, y], 1 / resolution, performance.now()),
-      waypoint: this.waypoints.thing(feature),
-      object: this.objects.thing(feature),
+      waypoint: this.waypoints.layer.getVisible() ? this.waypoints.at([x, y], resolution) : null,
+      object: this.objects.at([x, y], resolution),
     };
   }
 

@@ -41,11 +41,12 @@ export default function FloorPage() {
 /** Why the map may be empty or old: a lost connection, or the first thing that robots need and that is missing. */
 function Missing() {
   const connection = useLive((live) => live.connection);
-  const problem = useLive((live) => live.state.health?.problems.find(({ severity }) => severity === "error"));
+  const health = useLive((live) => live.state.health);
+  const errors = health?.problems.filter(({ severity }) => severity === "error") ?? [];
   const text =
     connection.state === "reconnecting"
       ? `No connection to the server since ${formatStamp(connection.sinceMs * 1e6)}; this is the last known state.`
-      : problem && withSince(problem);
+      : errors[0] && withSince(errors[0]);
   if (!text) return null;
   return (
     <Alert
@@ -55,7 +56,10 @@ function Missing() {
       icon={<IconAlertTriangle />}
       data-testid="floor-missing"
     >
-      <Text size="sm">{text}</Text>
+      <Text size="sm">
+        {text}
+        {connection.state !== "reconnecting" && errors.length > 1 && ` (and ${errors.length - 1} more)`}
+      </Text>
     </Alert>
   );
 }

@@ -15,6 +15,8 @@ let count = 0;
 export function offerUndo(text: string, undo: () => Promise<unknown>): void {
   count += 1;
   const step = { id: `undo-${count}`, undo };
+  const before = steps.at(-1);
+  if (before) notifications.hide(before.id);
   steps.push(step);
   if (steps.length > KEPT) steps.shift();
   notifications.show({

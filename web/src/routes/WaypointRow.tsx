@@ -63,7 +63,7 @@ export function WaypointRow({ waypoint, isNew = false, onClose }: WaypointRowPro
             onChange={(event) => edit({ id: event.currentTarget.value })}
           />
         ) : (
-          <Text size="sm" fw={600}>
+          <Text size="sm" fw={600} style={{ whiteSpace: "nowrap" }}>
             {waypoint.id}
           </Text>
         )}

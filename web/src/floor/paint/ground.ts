@@ -52,6 +52,26 @@ export function paintGridLabels(pen: Pen, palette: Palette): void {
     context.fillText(`${y}`, pen.x(minX) + pen.px(LABEL_INSET_PX), pen.y(y) - pen.px(2));
 }
 
+const BARS_M = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500];
+const SHORTEST_BAR_PX = 70;
+const BAR_INSET_PX = 16;
+
+/** The length of the scale bar, in metres. */
+export function barLength(pixelsPerMetre: number): number {
+  return BARS_M.find((length) => length * pixelsPerMetre >= SHORTEST_BAR_PX) ?? 1000;
+}
+
+/** How long a round number of metres is, in the lower right corner. */
+export function paintScaleBar(pen: Pen, palette: Palette): void {
+  const length = barLength(pen.pixelsPerMetre);
+  const [, minY, maxX] = pen.extent;
+  const inset = BAR_INSET_PX / pen.pixelsPerMetre;
+  const tick = 5 / pen.pixelsPerMetre;
+  const [left, right, low] = [maxX - inset - length, maxX - inset, minY + inset];
+  pen.line([[left, low + tick], [left, low], [right, low], [right, low + tick]], palette.chipText, 2); // prettier-ignore
+  pen.chip([(left + right) / 2, low], -11, `${length} m`, palette.chipText, palette.chip);
+}
+
 function multiples(pitch: number, from: number, to: number): number[] {
   const first = Math.ceil(from / pitch);
   const last = Math.floor(to / pitch);

@@ -7,7 +7,7 @@ import type { LayerName } from "../floor-state";
 import type { Palette } from "../palette";
 import type { Pen } from "../Pen";
 import type { RobotMarks } from "../RobotMarks";
-import { paintGrid, paintGridLabels, paintPicture, type Picture } from "./ground";
+import { paintGrid, paintGridLabels, paintPicture, paintScaleBar, type Picture } from "./ground";
 import { paintObstacles } from "./obstacles";
 import { paintBox, paintCarrot, paintRoute } from "./orders";
 import { paintAreas, paintFieldsOfView, paintZones } from "./plan";
@@ -39,6 +39,7 @@ export function paintFloor(pen: Pen, { palette, lab, picture, state, obstacles, 
   if (layers.obstacles) paintObstacles(pen, palette, obstacles);
   if (layers.routes) paintRoutes(pen, palette, state);
   if (layers.grid) paintGridLabels(pen, palette);
+  paintScaleBar(pen, palette);
 }
 
 function paintRoutes(pen: Pen, palette: Palette, state: LiveState): void {
