@@ -3,7 +3,9 @@
 import asyncio
 import logging
 import os
+import socket
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 from protocol.errors import LabFileError
@@ -11,7 +13,7 @@ from protocol.lab import load_lab
 from protocol.settings import Settings
 from server.app import create_app
 from server.configuration import configuration
-from server.serving import listening, server
+from server.serving import datagrams, listening, server
 
 _CONSOLE = Path(__file__).parents[1] / "web" / "dist"
 
@@ -26,15 +28,21 @@ def main() -> None:
         raise SystemExit(str(error)) from None
     resolved = configuration(settings, lab, os.environ, _CONSOLE)
     logging.getLogger("server").info("%s", resolved)
-    try:
-        listener = listening(resolved.host, resolved.http_port)
-    except OSError as error:
-        raise SystemExit(f"cannot listen on {resolved.host}:{resolved.http_port}: {error.strerror}") from None
-    with listener:
-        serving = server(create_app(resolved, lab))
-        asyncio.run(serving.serve(sockets=[listener]))
+    with (
+        _bound(listening, resolved.host, resolved.http_port, "") as console,
+        _bound(datagrams, resolved.host, resolved.udp_port, " (UDP)") as robots,
+    ):
+        serving = server(create_app(resolved, lab, robots))
+        asyncio.run(serving.serve(sockets=[console]))
     if not serving.started:
         sys.exit(1)
+
+
+def _bound(bind: Callable[[str, int], socket.socket], host: str, port: int, kind: str) -> socket.socket:
+    try:
+        return bind(host, port)
+    except OSError as error:
+        raise SystemExit(f"cannot listen on {host}:{port}{kind}: {error.strerror}") from None
 
 
 if __name__ == "__main__":

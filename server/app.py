@@ -2,6 +2,7 @@
 
 import asyncio
 import logging
+import socket
 from collections.abc import AsyncGenerator, Awaitable, Callable
 from contextlib import AsyncExitStack, asynccontextmanager
 
@@ -50,9 +51,14 @@ The live stream is a WebSocket at `/api/live`: a `LiveSnapshot`, then `LiveChang
 
 
 def create_app(
-    configuration: Configuration, lab_description: Lab, clock: Clock | None = None, passwords: Passwords | None = None
+    configuration: Configuration,
+    lab_description: Lab,
+    robots: socket.socket,
+    clock: Clock | None = None,
+    passwords: Passwords | None = None,
 ) -> FastAPI:
-    """The app of one server. Nothing is opened before its lifespan begins."""
+    """The app of one server; `robots` is the bound socket for their datagrams. Nothing is opened before its lifespan
+    begins."""
     clock = clock or SystemClock()
 
     @asynccontextmanager
@@ -60,7 +66,7 @@ def create_app(
         async with AsyncExitStack() as stack:
             bus = await stack.enter_async_context(_bus(configuration.redis_url, clock))
             listener = StatusListener(bus, lab_description, clock, configuration.udp_key)
-            await stack.enter_async_context(listener.listening(configuration.host, configuration.udp_port))
+            await stack.enter_async_context(listener.listening(robots))
             hub = LiveHub(bus, lab_description, clock, listener.view)
             scene = await stack.enter_async_context(_scene_client(configuration.scene_port))
             app.state.context = Context.build(

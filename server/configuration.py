@@ -10,7 +10,7 @@ from protocol.settings import Settings
 
 @dataclass(frozen=True, slots=True)
 class Configuration:
-    """Where to listen, what to serve. Port 0 takes any free one (tests). The UDP key is left out of `repr`."""
+    """Where to listen, what to serve. The UDP key is left out of `repr`."""
 
     host: str
     http_port: int

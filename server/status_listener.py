@@ -3,6 +3,7 @@ connect over HTTP and UDP"). What is refused is counted, told in the health, and
 
 import asyncio
 import logging
+import socket
 from collections import Counter
 from collections.abc import AsyncGenerator
 from contextlib import asynccontextmanager
@@ -42,11 +43,11 @@ class StatusListener(asyncio.DatagramProtocol):
         self._listening = False
 
     @asynccontextmanager
-    async def listening(self, host: str, port: int) -> AsyncGenerator[None]:
-        """Listens while entered; port 0 takes a free one. OSError when the port is in use."""
+    async def listening(self, bound: socket.socket) -> AsyncGenerator[None]:
+        """Listens on the bound socket while entered, and closes it."""
         loop = asyncio.get_running_loop()
-        transport, _ = await loop.create_datagram_endpoint(lambda: self, local_addr=(host, port))
-        self.port = cast("tuple[str, int]", transport.get_extra_info("sockname"))[1]
+        transport, _ = await loop.create_datagram_endpoint(lambda: self, sock=bound)
+        self.port = cast("tuple[str, int]", bound.getsockname())[1]
         self._listening = True
         try:
             yield

@@ -22,7 +22,7 @@ from server.repositories.documents import Store
 from server.repositories.tokens import TokenRepository
 from server.repositories.users import UserRepository
 from server.roles import Role
-from server.serving import Server, listening, server
+from server.serving import Server, datagrams, listening, server
 
 ROOT = Path(__file__).parents[2]
 PASSWORD = "correct horse"
@@ -145,7 +145,8 @@ def _app(
         console=console,
         udp_key=udp_key,
     )
-    return create_app(configuration, lab or gulliver(), clock or SystemClock(), cheap_passwords())
+    robots = datagrams("127.0.0.1", 0)
+    return create_app(configuration, lab or gulliver(), robots, clock or SystemClock(), cheap_passwords())
 
 
 async def _accounts(context: Context) -> dict[str, str]:
