@@ -31,7 +31,7 @@ _MIN_MARGIN = 20.0
 _MIN_CORRECTED_MARGIN = 35.0
 """A code with a corrected bit must be read more clearly than a whole one."""
 _MAX_CORRECTED_BITS = 1
-_WHITE_BORDER = 0.6 / 8
+_WHITE_BORDER = 0.75 / 8
 """How much of the white cell around the eight of a tag's side must be seen, relative to the side."""
 _MIN_IMAGE_PX = 8
 """The detector finds nothing in less, and is not asked to."""
