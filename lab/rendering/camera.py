@@ -12,6 +12,7 @@ from lab.rendering.optics import Optics
 from lab.rendering.shapes import Shape, pallet_shape, person_shape, vehicle_shape
 from lab.rendering.textures import UInt8
 from lab.snapshot import ObjectSnapshot, Snapshot, VehicleSnapshot
+from lab.truth import true_camera_model, true_vehicle
 from protocol.lab import Lab
 
 _COVER_LEVEL = 12
@@ -36,12 +37,13 @@ class CameraRenderer:
         self.frozen = False
         self._lab = lab
         self._channels = 3 if self.spec.color else 1
-        self._optics = Optics(self.spec.model(), mount)
+        self._optics = Optics(true_camera_model(lab, self.spec, seed), mount)
         self._floor = render_floor(lab, self._optics, seed, self._channels)
         self._canvas = self._floor.copy()
         self._painter = LayerPainter(self._optics, self._channels, image.blur_sigma_px)
         self._noise = SensorNoise(self._floor.shape, image.noise_std, seed, camera_id)
-        self._vehicles = {v.id: vehicle_shape(v, self._channels) for v in lab.vehicles if v.driver == "sim"}
+        simulated = [true_vehicle(lab, vehicle, seed) for vehicle in lab.vehicles if vehicle.driver == "sim"]
+        self._vehicles = {vehicle.id: vehicle_shape(vehicle, self._channels) for vehicle in simulated}
         self._pallet = pallet_shape(self._channels)
         self._people: dict[str, Shape] = {}
         self._layers: dict[str, tuple[VehicleSnapshot | ObjectSnapshot, Layer | None]] = {}

@@ -15,6 +15,7 @@ from geometry import SE2
 from lab.rendering.markings import painted_outlines
 from lab.rendering.optics import Float32, Optics
 from lab.rendering.textures import PLATE_BITS, TAG_BITS, Colour, Texture, UInt8, tag_texture, tone
+from lab.truth import true_floor_tags
 from protocol.lab import Lab
 
 _MAT: Colour = (40, 39, 38)
@@ -25,18 +26,6 @@ _TAG_SAMPLES = 8
 _SHAPE_SAMPLES = 4
 _GRAIN_TEXELS = 512
 _GRAIN_TEXEL_M = 0.004
-
-
-def true_floor_tags(lab: Lab, seed: int) -> dict[int, SE2]:
-    """Where the floor tags truly lie: as described, displaced in x and y by normal errors of `floor_tag_error_m`."""
-    rng = np.random.default_rng([seed, zlib.crc32(b"floor tags")])
-    spread = lab.simulation.floor_tag_error_m
-    poses: dict[int, SE2] = {}
-    for tag_id in sorted(lab.floor_tags.poses):
-        x, y, yaw = lab.floor_tags.poses[tag_id]
-        dx, dy = rng.standard_normal(2) * spread
-        poses[tag_id] = SE2(x + float(dx), y + float(dy), yaw)
-    return poses
 
 
 def light_at(lab: Lab, x: NDArray[np.floating] | float) -> NDArray[np.floating] | float:

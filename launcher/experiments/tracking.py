@@ -9,6 +9,7 @@ import numpy as np
 from geometry import SE2
 from lab.rendering import CameraRenderer
 from lab.rendering.optics import Optics
+from lab.truth import true_camera_model, true_vehicle
 from lab.world import World
 from launcher.errors import UsageError
 from launcher.experiments.courses import CourseFollower, infinity, rectangle
@@ -48,8 +49,10 @@ class Camera:
 
     def __init__(self, lab: Lab, world: World, index: int, seed: int | None) -> None:
         self.spec = lab.cameras[index]
+        self._lab = lab
         self._renderer = CameraRenderer(lab, self.spec.id, seed)
-        self._optics = Optics(self.spec.model(), lab.simulation.mounts[self.spec.id])
+        self._seed = lab.simulation.seed if seed is None else seed
+        self._optics = Optics(true_camera_model(lab, self.spec, self._seed), lab.simulation.mounts[self.spec.id])
         self.pipeline = CameraPipeline(lab, self.spec.id, clock=WorldClock(world))
         self._world = world
         self._frames = 0
@@ -70,7 +73,8 @@ class Camera:
         tag = SE2(true.x, true.y, true.yaw) @ vehicle.tag.pose_on_vehicle()
         half = vehicle.tag.size_m * QUIET_ZONE / 2
         corners = tag.apply([[-half, -half], [half, -half], [half, half], [-half, half]])
-        pixels = self._optics.project(np.column_stack([corners, np.full(4, vehicle.tag.height_m)]))
+        height_m = true_vehicle(self._lab, vehicle, self._seed).tag.height_m
+        pixels = self._optics.project(np.column_stack([corners, np.full(4, height_m)]))
         limits = np.array([self.spec.width - 1, self.spec.height - 1])
         return pixels is not None and bool(((pixels >= 0) & (pixels <= limits)).all())
 

@@ -22,6 +22,7 @@ from protocol.lab.simulation import (
     SimulatedImage,
     SimulatedMount,
     SimulatedNetwork,
+    SimulatedSurvey,
     Simulation,
 )
 
@@ -38,6 +39,7 @@ __all__ = [
     "SimulatedImage",
     "SimulatedMount",
     "SimulatedNetwork",
+    "SimulatedSurvey",
     "Simulation",
     "VehicleSpec",
     "VehicleTag",

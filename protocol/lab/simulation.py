@@ -29,6 +29,16 @@ class SimulatedImage(LabModel):
     exposure_s: Annotated[float, Field(ge=0, le=0.1)] = 0.003
 
 
+class SimulatedSurvey(LabModel):
+    """How well the room was measured: standard deviations of what is true from what the description says. Floor tags' x and
+    y (m), focal lengths (relative), principal points (px), heights of the vehicles' tags (m)."""
+
+    floor_tag_m: NonNegative = 0.0
+    focal: Annotated[float, Field(ge=0, lt=0.1)] = 0.0
+    center_px: NonNegative = 0.0
+    tag_height_m: NonNegative = 0.0
+
+
 class SimulatedDrive(LabModel):
     """How simulated wheels lie: relative scale error of left and right odometry, noise of each step relative to the way
     travelled, relative slip, and the delay of the motors' answer."""
@@ -57,7 +67,7 @@ class Simulation(LabModel):
     mounts: dict[Identifier, SimulatedMount] = Field(default_factory=dict)
     starts: dict[Identifier, PoseXYYaw] = Field(default_factory=dict)
     lanes: tuple[Annotated[tuple[PointXY, ...], Field(min_length=2)], ...] = ()
-    floor_tag_error_m: NonNegative = 0.0
+    survey: SimulatedSurvey = SimulatedSurvey()
     image: SimulatedImage = SimulatedImage()
     drive: SimulatedDrive = SimulatedDrive()
     network: SimulatedNetwork = SimulatedNetwork()

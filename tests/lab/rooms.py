@@ -8,15 +8,16 @@ from numpy.typing import NDArray
 
 from geometry import SE2
 from lab.snapshot import Snapshot, VehicleSnapshot
-from protocol.lab import Lab, SimulatedDrive, load_lab
+from protocol.lab import Lab, SimulatedDrive, SimulatedSurvey, load_lab
 
 GULLIVER = Path(__file__).parents[2] / "labs" / "gulliver.yaml"
 PERFECT = SimulatedDrive(noise=0.0, slip=0.0, delay_s=0.0)
 
 
 def gulliver(*, image: dict[str, Any] | None = None, **simulation: Any) -> Lab:
-    """The shipped room; keywords replace parts of its simulation, `image` knobs of its image."""
+    """The shipped room, exactly as described; keywords replace parts of its simulation, `image` knobs of its image."""
     lab = load_lab(GULLIVER)
+    simulation.setdefault("survey", SimulatedSurvey())
     if image is not None:
         simulation["image"] = lab.simulation.image.model_copy(update=image)
     return lab.model_copy(update={"simulation": lab.simulation.model_copy(update=simulation)})

@@ -7,9 +7,9 @@ import pytest
 
 from geometry import SE2
 from lab.rendering import CameraRenderer
-from lab.rendering.floor import true_floor_tags
 from lab.snapshot import Snapshot, VehicleSnapshot
-from protocol.lab import Lab
+from lab.truth import true_floor_tags
+from protocol.lab import Lab, SimulatedSurvey
 from tests.lab.oracle import detected, projected, rms
 from tests.lab.rooms import gulliver, standing, tag_corners
 
@@ -90,7 +90,7 @@ def test_a_moving_tag_is_smeared_around_the_middle_of_the_exposure() -> None:
 
 
 def test_floor_tags_may_lie_elsewhere_than_described() -> None:
-    lab = gulliver(floor_tag_error_m=0.004)
+    lab = gulliver(survey=SimulatedSurvey(floor_tag_m=0.004))
     moved = true_floor_tags(lab, 7)
     offsets = np.array([[p.x, p.y] for p in moved.values()]) - [lab.floor_tags.poses[i][:2] for i in moved]
     assert 0.001 < offsets.std() < 0.008
