@@ -53,12 +53,13 @@ describe("dragging on the map", () => {
   it("leaves a thing where it was dropped until the live state follows", async () => {
     points.grab([1, 1], 0.01);
     points.drag([2, 2]);
-    points.update({ a: { ...a }, b });
+    const edited = { ...a };
+    points.update({ a: edited, b });
     expect(drawn("a")).toEqual([2, 2]);
     const dropped = points.drop();
     answer(true);
     await dropped;
-    points.update({ a, b: { ...b } });
+    points.update({ a: edited, b: { ...b } });
     expect(drawn("a")).toEqual([2, 2]);
     points.update({ a: { ...a, x: 2, y: 2.5 }, b });
     expect(drawn("a")).toEqual([2, 2.5]);

@@ -14,12 +14,14 @@ export function ManualDrive({ robot }: { readonly robot: RobotView }) {
   const isStopped = useLive((live) => live.state.estop?.engaged ?? false);
   const [percent, setPercent] = useState(50);
   const [refusal, setRefusal] = useState<string | null>(null);
+  const [ownHolder, setOwnHolder] = useState<string | null>(null);
   const { id } = robot;
   const link = useMemo(
     () =>
       new ManualLink({
         drive: async (twist) => {
-          await call("put", "/api/robots/{robot_id}/manual", { path: { robot_id: id }, body: twist });
+          const applied = await call("put", "/api/robots/{robot_id}/manual", { path: { robot_id: id }, body: twist });
+          setOwnHolder(applied.holder);
           setRefusal(null);
         },
         letGo: () => call("delete", "/api/robots/{robot_id}/manual", { path: { robot_id: id } }),
@@ -72,7 +74,7 @@ export function ManualDrive({ robot }: { readonly robot: RobotView }) {
       </Group>
       {manual && (
         <Text size="sm" c="grape" data-testid="manual-holder">
-          Driven by {manual.holder}
+          {manual.holder === ownHolder ? "You hold the stick" : `Driven by ${manual.holder}`}
         </Text>
       )}
       {!may && (

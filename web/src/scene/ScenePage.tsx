@@ -8,8 +8,11 @@ import { formatStamp } from "../ui/format";
 import { usePageTitle } from "../ui/Page";
 import { frameState, type FrameState } from "./frame-state";
 import classes from "./scene.module.css";
+import { drawsInSoftware } from "./software-rendering";
 
 const WATCH_MS = 1000;
+/** Pixels of the 3D view per pixel of the screen where no graphics card draws it. */
+const COARSE = 0.5;
 /** How long each state may last before the frame is loaded again. */
 const PATIENCE_MS: Readonly<Record<FrameState, number>> = {
   alive: Infinity,
@@ -23,6 +26,7 @@ export default function ScenePage() {
   const frame = useRef<HTMLIFrameElement>(null);
   const [state, setState] = useState<FrameState>("loading");
   const [round, setRound] = useState(0);
+  const [isCoarse] = useState(drawsInSoftware);
   usePageTitle("3D");
 
   useEffect(() => {
@@ -46,7 +50,7 @@ export default function ScenePage() {
         key={`${round} ${scheme}`}
         ref={frame}
         className={classes["frame"]}
-        src={`/viser/?hideViserLogo${scheme === "dark" ? "&darkMode" : ""}`}
+        src={`/viser/?hideViserLogo${scheme === "dark" ? "&darkMode" : ""}${isCoarse ? `&fixedDpr=${COARSE}` : ""}`}
         title="The lab in 3D"
         data-testid="scene-frame"
       />
