@@ -4,7 +4,9 @@ Corners are averaged over several frames, so a floor tag's own detection noise h
 once and checked against what is seen; a camera that was moved says so, gives no poses, and calibrates itself again.
 """
 
+import math
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,11 +74,17 @@ class SelfCalibration:
     @property
     def noise(self) -> PoseNoise:
         """What limits poses from this camera, measured on its own floor tags: how much their corners flicker from frame to
-        frame, and how far off the extrinsics put them."""
+        frame, and how far off the extrinsics put them.
+
+        n misplaced tags give 2n numbers, of which the pose takes 6 up: what is left of their error is (2n - 6) / 2n of its
+        square, so the RMS distance r stands for r sqrt(n / (2n - 6)) per axis."""
         default = PoseNoise()
         flicker_px = default.corner_px if self._corner_noise_px is None else self._corner_noise_px
-        off_px = default.calibration_px if self._extrinsics is None else self._extrinsics.reprojection_px
-        return PoseNoise(max(_LEAST_NOISE_PX, flicker_px), max(_LEAST_NOISE_PX, off_px))
+        off_px = default.calibration_px
+        if self._extrinsics is not None:
+            tags = len(self._extrinsics.floor_tags)
+            off_px = self._extrinsics.reprojection_px * math.sqrt(tags / max(1, 2 * tags - 6))
+        return replace(default, corner_px=max(_LEAST_NOISE_PX, flicker_px), calibration_px=max(_LEAST_NOISE_PX, off_px))
 
     @property
     def eager(self) -> bool:

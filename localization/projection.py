@@ -39,10 +39,12 @@ def extrinsics_pose(extrinsics: CameraExtrinsics) -> SE3:
 @dataclass(frozen=True, slots=True, eq=False)
 class PlaneHits:
     """Where rays meet a horizontal plane: `points` (N, 2), metres in the map frame; `jacobians` (N, 2, 2), how the points
-    move per unit of the undistorted image plane; divided by the focal length, per pixel."""
+    move per unit of the undistorted image plane (divided by the focal length: per pixel); `slopes` (N, 2), how they move per
+    metre of the plane's height."""
 
     points: Array
     jacobians: Array
+    slopes: Array
 
 
 class CameraView:
@@ -73,7 +75,7 @@ class CameraView:
             raise PointsAtInfinityError(f"a ray does not meet the plane z = {height_m} m")
         ratio = directions[:, :2] / dz[:, None]
         jacobians = depth * (rotation[None, :2, :2] - ratio[:, :, None] * rotation[2, :2]) / dz[:, None, None]
-        return PlaneHits(centre[:2] + depth * ratio, jacobians)
+        return PlaneHits(centre[:2] + depth * ratio, jacobians, ratio)
 
     def project(self, points: Array) -> tuple[Array, NDArray[np.bool_]]:
         """Pixels (N, 2) of points (N, 3), also outside the image, and whether they mean anything, shape (N,): points behind

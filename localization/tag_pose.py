@@ -29,11 +29,13 @@ class NotATagError(ValueError):
 @dataclass(frozen=True, slots=True)
 class PoseNoise:
     """What limits a pose. `corner_px`: standard deviation of a corner, each axis, new in every frame; `calibration_px`: how far
-    off the extrinsics put a point of the floor, the same in every frame of one camera; `max_misfit`: how far the corners may be
-    off the tag's square, relative to its size."""
+    off the extrinsics put a point of the floor, the same in every frame of one camera; `height_m`: how far off the tag's height
+    was measured, which counts away from the camera's foot; `max_misfit`: how far the corners may be off the tag's square,
+    relative to its size."""
 
     corner_px: float = 0.10
     calibration_px: float = 0.30
+    height_m: float = 0.0015
     max_misfit: float = 0.05
 
 
@@ -79,6 +81,8 @@ def tag_pose(view: CameraView, plane: Array, size_m: float, height_m: float, noi
     per_pixel = hits.jacobians / np.array([view.model.fx, view.model.fy])
     through = noise.corner_px * np.einsum("aij,ijk->aik", gain, per_pixel).reshape(3, 8)
     covariance = through @ through.T
+    lean = noise.height_m * hits.slopes.mean(axis=0)
+    covariance[:2, :2] += np.outer(lean, lean)
     shift = noise.calibration_px * per_pixel.mean(axis=0)
     covariance[:2, :2] += shift @ shift.T
     covariance[2, 2] += abs(float(np.linalg.det(shift))) / _CALIBRATION_LEVER_M**2

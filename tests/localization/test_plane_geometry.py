@@ -16,7 +16,7 @@ from localization.tags import tag_corners
 from tests.localization.synthetic import mount
 
 MODEL = CameraModel(1920, 1080, 1145.0, 1140.0, 955.0, 545.0, (-0.12, 0.04, 0.001, -0.0008, -0.003))
-NOISE = PoseNoise(calibration_px=0.0)
+NOISE = PoseNoise(calibration_px=0.0, height_m=0.0)
 
 mounts = st.builds(
     mount,
@@ -122,7 +122,7 @@ def test_the_covariance_is_that_of_noisy_corners() -> None:
     truth, size, height = SE2(1.2, 0.4, 0.7), 0.16, 0.35
     corners = project(T, corners_of(truth, size, height))
     rng = np.random.default_rng(5)
-    noise = PoseNoise(corner_px=0.3, calibration_px=0.0)
+    noise = PoseNoise(corner_px=0.3, calibration_px=0.0, height_m=0.0)
     errors: list[list[float]] = []
     for _ in range(4000):
         noisy = undistort(MODEL, corners + rng.normal(0.0, noise.corner_px, (4, 2)))
@@ -149,9 +149,21 @@ def test_a_calibration_error_counts_whatever_the_tag_s_size() -> None:
     """A pixel at 3 m is 3 / 1145 m; four corners do not average it away."""
     T = mount(0, 0, 3)
     plane = undistort(MODEL, project(T, corners_of(SE2(0.1, 0.0, 0.2), 0.16, 0.0)))
-    noise = PoseNoise(corner_px=0.0, calibration_px=1.0)
+    noise = PoseNoise(corner_px=0.0, calibration_px=1.0, height_m=0.0)
     sigmas = np.sqrt(np.diag(tag_pose(CameraView(MODEL, T), plane, 0.16, 0.0, noise).covariance))
     assert sigmas == pytest.approx([3 / 1145, 3 / 1140, 3 / 1142], rel=0.01)
+
+
+def test_a_height_measured_wrongly_counts_away_from_the_camera_s_foot() -> None:
+    T = mount(0, 0, 3)
+    size, height, error_m = 0.16, 0.5, 0.004
+    truth = SE2(2.0, 0.0, 0.2)
+    corners = undistort(MODEL, project(T, corners_of(truth, size, height + error_m)))
+    found = tag_pose(CameraView(MODEL, T), corners, size, height, PoseNoise(0.0, 0.0, height_m=error_m))
+    off = abs(found.pose.x - truth.x)
+    assert off == pytest.approx(error_m * 2.0 / 2.5, rel=0.02)
+    assert math.sqrt(float(found.covariance[0, 0])) == pytest.approx(off, rel=0.02)
+    assert float(found.covariance[1, 1]) < 1e-9
 
 
 def test_corners_that_are_no_square_of_that_size_are_refused() -> None:

@@ -27,7 +27,7 @@ STARTS = {
     "turtlebot-16": SE2(4.9, 1.6, 3.0),
     "turtlebot-17": SE2(5.3, 2.7, -2.9),
 }
-FRAMES = 40
+FRAMES = 30
 
 
 class Drive:
@@ -104,39 +104,61 @@ def _wholly_visible(pipeline: CameraPipeline, tag: SE2, height_m: float, reach_m
     return bool((u > 15).all() and (u < spec.width - 15).all() and (v > 15).all() and (v < spec.height - 15).all())
 
 
+def surveyed(**errors: float) -> Lab:
+    """The report's room, measured with these standard deviations (`simulation.survey`); none: without error."""
+    data = load_lab(GULLIVER).model_dump()
+    data["simulation"]["survey"] = errors
+    return Lab.model_validate(data)
+
+
 @pytest.fixture(scope="module")
-def drive() -> Drive:
-    return Drive(load_lab(GULLIVER))
+def exact() -> Drive:
+    return Drive(surveyed())
 
 
-def test_positions_and_headings_keep_the_budget(drive: Drive) -> None:
-    assert len(drive.position_mm) > 100
-    assert float(np.median(drive.position_mm)) <= 1.0
-    assert float(np.percentile(drive.position_mm, 99)) <= 5.0
-    assert float(np.median(drive.heading_deg)) <= 0.2
+@pytest.fixture(scope="module")
+def by_hand() -> Drive:
+    """Floor tags to a millimetre, the lens to half a pixel and half a per mille, tags' heights to a millimetre."""
+    return Drive(surveyed(floor_tag_m=0.001, focal=0.0005, center_px=0.5, tag_height_m=0.001))
 
 
-def test_cameras_agree_at_the_hand_over(drive: Drive) -> None:
-    assert {("cam1",), ("cam2",), ("cam1", "cam2")} <= drive.cameras
-    assert max(drive.jumps_mm) <= 3.0
+def test_in_a_room_measured_exactly_only_the_pixels_limit(exact: Drive) -> None:
+    assert len(exact.position_mm) > 100
+    assert float(np.median(exact.position_mm)) <= 0.2
+    assert float(np.percentile(exact.position_mm, 99)) <= 1.0
+    assert float(np.median(exact.heading_deg)) <= 0.05
+    assert max(exact.jumps_mm) <= 1.0
 
 
-def test_every_wholly_visible_tag_gives_its_pose(drive: Drive) -> None:
-    assert drive.visible > 60
-    assert drive.given / drive.visible >= 0.99
+def test_in_a_room_measured_by_hand_the_budget_is_kept(by_hand: Drive) -> None:
+    assert float(np.median(by_hand.position_mm)) <= 5.0
+    assert float(np.percentile(by_hand.position_mm, 99)) <= 20.0
+    assert float(np.median(by_hand.heading_deg)) <= 0.5
 
 
-def test_the_covariance_is_of_the_errors_size(drive: Drive) -> None:
-    """Three degrees of freedom: three would be exact. Sharp pictures are better than the extrinsics' error admits."""
-    assert 0.1 <= float(np.mean(drive.normalised)) <= 6.0
+def test_cameras_agree_at_the_hand_over(by_hand: Drive) -> None:
+    assert {("cam1",), ("cam2",), ("cam1", "cam2")} <= by_hand.cameras
+    assert max(by_hand.jumps_mm) <= 10.0
+
+
+def test_every_wholly_visible_tag_gives_its_pose(exact: Drive, by_hand: Drive) -> None:
+    for drive in (exact, by_hand):
+        assert drive.visible > 60
+        assert drive.given / drive.visible >= 0.99
+
+
+def test_the_covariance_is_of_the_errors_size(exact: Drive, by_hand: Drive) -> None:
+    """Three degrees of freedom: three would be exact. One survey is one draw: its errors are shared by all frames."""
+    assert float(np.mean(exact.normalised)) <= 3.0
+    assert 0.3 <= float(np.mean(by_hand.normalised)) <= 9.0
 
 
 @pytest.mark.parametrize("camera", CAMERAS)
-def test_extrinsics_are_those_of_the_true_mount(drive: Drive, camera: str) -> None:
-    lab = load_lab(GULLIVER)
-    extrinsics = drive.pipelines[camera].extrinsics
+def test_extrinsics_are_those_of_the_true_mount(exact: Drive, camera: str) -> None:
+    mounts = load_lab(GULLIVER).simulation.mounts
+    extrinsics = exact.pipelines[camera].extrinsics
     assert extrinsics is not None
     assert len(extrinsics.floor_tags) == 4
     assert extrinsics.reprojection_px < 0.2
-    off = extrinsics_pose(extrinsics).translation - np.array(lab.simulation.mounts[camera].position)
+    off = extrinsics_pose(extrinsics).translation - np.array(mounts[camera].position)
     assert float(np.abs(off).max()) < 0.001

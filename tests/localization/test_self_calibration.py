@@ -122,7 +122,7 @@ def test_the_noise_of_the_corners_is_measured_on_the_floor_tags() -> None:
         calibration.observe(observations(TRUTH, k, noise_px=0.2), k)
     assert calibration.noise.corner_px == pytest.approx(0.2, rel=0.15)
     assert calibration.extrinsics is not None
-    assert calibration.noise.calibration_px == pytest.approx(max(0.03, calibration.extrinsics.reprojection_px))
+    assert calibration.noise.calibration_px == pytest.approx(max(0.03, calibration.extrinsics.reprojection_px * 2**0.5))
 
 
 def test_a_wrong_yaw_in_the_lab_file_is_refused_with_a_hint() -> None:
