@@ -37,9 +37,10 @@ def main() -> int:
         while time.monotonic() < deadline:
             robot = api.get(f"/robots/{arguments.robot}").raise_for_status().json()
             leg, state = robot["assignment"]["leg"], robot["assignment"]["state"]
-            if (leg, state, robot["reason"]["code"]) != shown:
-                shown = (leg, state, robot["reason"]["code"])
-                print(f"{state}, leg {leg + 1} of {len(legs)}: {robot['reason']['code']} {robot['reason']['text']}")
+            why = "{code} {text}".format(**robot["reason"]) if robot["reason"] else ""
+            if (leg, state, why) != shown:
+                shown = (leg, state, why)
+                print(f"{state}, leg {leg + 1} of {len(legs)}: {why}")
             if state not in ("running", "paused"):
                 return 0 if state == "done" else 1
             time.sleep(0.2)
