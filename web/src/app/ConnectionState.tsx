@@ -2,6 +2,7 @@
 import { Badge, Tooltip } from "@mantine/core";
 import { useLive } from "../live/store";
 import { formatDuration } from "../ui/format";
+import classes from "./shell.module.css";
 
 export function ConnectionState() {
   const connection = useLive((live) => live.connection);
@@ -11,7 +12,14 @@ export function ConnectionState() {
   if (connection.state === "live") {
     return (
       <Tooltip label="The console receives what happens 20 times a second.">
-        <Badge variant="dot" color="teal" tt="none" data-testid="connection" data-state="live">
+        <Badge
+          variant="dot"
+          color="teal"
+          tt="none"
+          className={classes["wide"] ?? ""}
+          data-testid="connection"
+          data-state="live"
+        >
           Live
         </Badge>
       </Tooltip>

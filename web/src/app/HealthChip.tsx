@@ -24,7 +24,7 @@ export function HealthChip() {
           leftSection={
             health.state === "ok" ? <IconCircleCheckFilled size={14} /> : <IconAlertTriangleFilled size={14} />
           }
-          style={{ cursor: "pointer" }}
+          style={{ cursor: "pointer", flex: "none" }}
         >
           {text}
         </Badge>

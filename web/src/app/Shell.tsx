@@ -38,7 +38,7 @@ export function Shell() {
               <img src="/icon.svg" alt="" width={28} height={28} />
               <span className={classes["wide"]}>Lilliput</span>
             </Link>
-            <Text c="dimmed" truncate data-testid="lab-name">
+            <Text c="dimmed" truncate className={classes["wide"] ?? ""} data-testid="lab-name">
               {lab?.name}
             </Text>
             <ConnectionState />
