@@ -5,6 +5,7 @@ from typing import Any
 from server.views.base import Problem
 
 _MEANINGS = {
+    400: "The body is not JSON.",
     401: "Not logged in, or the token is not valid.",
     403: "The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`.",
     404: "It does not exist.",
@@ -16,10 +17,10 @@ _MEANINGS = {
 
 
 def refusals(*codes: int) -> dict[int | str, dict[str, Any]]:
-    """The `responses` of a route: what may refuse it, beside 401, 403 and 503."""
-    return {code: {"model": Problem, "description": _MEANINGS[code]} for code in sorted({401, 403, 503, *codes})}
+    """The `responses` of a route: what may refuse it, beside 400, 401, 403 and 503."""
+    return {code: {"model": Problem, "description": _MEANINGS[code]} for code in sorted({400, 401, 403, 503, *codes})}
 
 
 def open_refusals(*codes: int) -> dict[int | str, dict[str, Any]]:
     """As `refusals`, for routes that need no login."""
-    return {code: {"model": Problem, "description": _MEANINGS[code]} for code in sorted({503, *codes})}
+    return {code: {"model": Problem, "description": _MEANINGS[code]} for code in sorted({400, 503, *codes})}

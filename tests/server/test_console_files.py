@@ -38,7 +38,13 @@ async def test_the_console_is_served(redis_url: str, tmp_path: Path) -> None:
         for path in ("/api", "/api/nothing"):
             answer = await client.get(path)
             assert (answer.status_code, list(answer.json())) == (404, ["detail"])
-        for path in ("/..%2fsecret.txt", "/%2e%2e/secret.txt", "/assets/..%2f..%2fsecret.txt", "/%00", "/" + "a" * 5000):
+        for path in (
+            "/..%2fsecret.txt",
+            "/%2e%2e/secret.txt",
+            "/assets/..%2f..%2fsecret.txt",
+            "/%00",
+            "/" + "a" * 5000,
+        ):
             answer = await client.get(path)
             assert "hidden" not in answer.text, path
             assert answer.status_code in (200, 404)
@@ -94,7 +100,17 @@ async def test_the_lab_without_secrets(redis_url: str) -> None:
 
 
 async def test_without_redis_every_route_says_so_and_recovers(redis_server: RedisServer) -> None:
-    reads = ["/session", "/robots", f"/robots/{ROBOT}", "/waypoints", "/routes", "/estop", "/cameras", "/events", "/users"]
+    reads = [
+        "/session",
+        "/robots",
+        f"/robots/{ROBOT}",
+        "/waypoints",
+        "/routes",
+        "/estop",
+        "/cameras",
+        "/events",
+        "/users",
+    ]
     reads += ["/tokens", "/floor.jpg", "/cameras/cam0/preview.jpg", "/sim/objects", "/lab", f"/robots/{ROBOT}/commands"]
     async with in_process(redis_server.url) as service:
         admin = service.http("admin")

@@ -59,16 +59,15 @@ async def test_it_survives_the_death_of_server_and_redis(redis_server: RedisServ
 
 
 async def test_robots_hear_it_at_once_without_guidance(redis_url: str) -> None:
-    async with served(redis_url) as (service, _):
-        async with EventStream(service, "robot", ROBOT) as stream:
-            name, data = await stream.event()
-            assert (name, json.loads(data)["engaged"]) == ("emergency_stop", False)
-            loop = asyncio.get_running_loop()
-            started = loop.time()
-            await service.http("operator").post("/api/estop", json={"reason": "now"})
-            name, data = await stream.event()
-            assert (name, json.loads(data)["reason"]) == ("emergency_stop", "now")
-            assert loop.time() - started < 0.3
+    async with served(redis_url) as (service, _), EventStream(service, "robot", ROBOT) as stream:
+        name, data = await stream.event()
+        assert (name, json.loads(data)["engaged"]) == ("emergency_stop", False)
+        loop = asyncio.get_running_loop()
+        started = loop.time()
+        await service.http("operator").post("/api/estop", json={"reason": "now"})
+        name, data = await stream.event()
+        assert (name, json.loads(data)["reason"]) == ("emergency_stop", "now")
+        assert loop.time() - started < 0.3
 
 
 async def test_a_damaged_latch_counts_as_engaged_and_can_be_released(redis_server: RedisServer) -> None:

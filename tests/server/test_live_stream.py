@@ -3,7 +3,7 @@
 import asyncio
 import json
 import socket
-from collections.abc import AsyncGenerator
+from collections.abc import AsyncGenerator, Callable
 from contextlib import asynccontextmanager
 from typing import Any
 
@@ -33,6 +33,16 @@ async def looking(service: Service, who: str | None = "viewer", **options: Any) 
         yield client
 
 
+def at(x: float) -> Callable[[dict[str, Any]], bool]:
+    """Whether the robot is shown at that place."""
+
+    def shown(state: dict[str, Any]) -> bool:
+        seen = state["robots"][ROBOT]["pose"]
+        return seen is not None and seen["x"] == x
+
+    return shown
+
+
 class Picture:
     """What a console makes of the messages: the state, by the rules of the stream."""
 
@@ -59,7 +69,7 @@ class Picture:
             else:
                 self.state[section] = value
 
-    async def until(self, condition: Any, within_s: float = 15.0) -> None:
+    async def until(self, condition: Callable[[dict[str, Any]], object], within_s: float = 15.0) -> None:
         async with asyncio.timeout(within_s):
             while not self.state or not condition(self.state):
                 await self.step()
@@ -125,7 +135,7 @@ async def test_at_most_twenty_messages_a_second(redis_url: str) -> None:
             number += 1
             await bus.publish(POSES, ROBOT, pose(ROBOT, CLOCK.now_ns(), number / 1000))
             await asyncio.sleep(0.002)
-        await picture.until(lambda state: (state["robots"][ROBOT]["pose"] or {}).get("x") == number / 1000)
+        await picture.until(at(number / 1000))
         elapsed = CLOCK.monotonic_s() - started
         assert number > 40
         assert picture.messages <= 20 * elapsed + 3
@@ -144,8 +154,8 @@ async def test_a_slow_client_holds_nobody_up_and_gets_the_newest(redis_url: str)
                 # Every step carries 200 kB, so that buffers fill.
                 await bus.publish(OBSTACLES, "lab", raster(CLOCK.now_ns(), number.to_bytes(2, "big") * 75_000))
                 await bus.publish(POSES, ROBOT, pose(ROBOT, CLOCK.now_ns(), float(number)))
-                await quick.until(lambda state, n=number: (state["robots"][ROBOT]["pose"] or {}).get("x") == n, 15)
-            await late.until(lambda state: (state["robots"][ROBOT]["pose"] or {}).get("x") == 25.0)
+                await quick.until(at(number))
+            await late.until(at(25))
             assert quick.messages >= 25
             assert late.messages < quick.messages / 2
             assert late.state["obstacles"] == quick.state["obstacles"]
@@ -156,7 +166,7 @@ async def test_a_dead_client_is_cut_off(redis_url: str) -> None:
     async with served(redis_url, dead_after_ms=200) as (service, _):
         bus = service.context.bus
         dead = socket.create_connection(("127.0.0.1", int(service.base_url.rpartition(":")[2])))
-        dead.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+        dead.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 65536)
         async with looking(service, sock=dead, max_queue=1, close_timeout=0.1):
             assert service.context.hub.clients == 1
             number = 0

@@ -3,7 +3,7 @@
 import asyncio
 import gzip
 import http
-from collections.abc import AsyncGenerator, Callable, Awaitable
+from collections.abc import AsyncGenerator, Awaitable, Callable
 from contextlib import asynccontextmanager
 
 import pytest
@@ -36,7 +36,9 @@ async def scene(port: int, handler: Handler = _echo) -> AsyncGenerator[list[str]
             return None
         asked.append(request.path)
         if request.path == "/":
-            headers = Headers({"Content-Type": "text/html", "Content-Encoding": "gzip", "Content-Length": str(len(PAGE))})
+            headers = Headers(
+                {"Content-Type": "text/html", "Content-Encoding": "gzip", "Content-Length": str(len(PAGE))}
+            )
             return Response(http.HTTPStatus.OK, "OK", headers, PAGE)
         return Response(http.HTTPStatus.NOT_FOUND, "NOT FOUND", Headers(), b"none")
 

@@ -8,7 +8,7 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Generator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -25,7 +25,7 @@ from tests.server.service import ROBOT, ROOT, free_port, until
 
 
 @contextmanager
-def process(redis_url: str, folder: Path, **changes: str) -> Iterator[tuple[subprocess.Popen[bytes], str]]:
+def process(redis_url: str, folder: Path, **changes: str) -> Generator[tuple[subprocess.Popen[bytes], str]]:
     """The service on free ports; its output is in folder/log."""
     lab = folder / "lab.yaml"
     text = (ROOT / "labs" / "gulliver.yaml").read_text()
