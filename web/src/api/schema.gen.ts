@@ -2158,6 +2158,15 @@ export interface operations {
                     "application/json": components["schemas"]["SessionView"];
                 };
             };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description Not logged in, or the token is not valid. */
             401: {
                 headers: {
@@ -2207,6 +2216,15 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["SessionView"];
+                };
+            };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
                 };
             };
             /** @description Not logged in, or the token is not valid. */
@@ -2263,6 +2281,15 @@ export interface operations {
                 };
                 content?: never;
             };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description Not logged in, or the token is not valid. */
             401: {
                 headers: {
@@ -2308,6 +2335,15 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["LabView"];
+                };
+            };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
                 };
             };
             /** @description Not logged in, or the token is not valid. */
@@ -2379,6 +2415,15 @@ export interface operations {
                     "application/json": components["schemas"]["Event"][];
                 };
             };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description Not logged in, or the token is not valid. */
             401: {
                 headers: {
@@ -2435,6 +2480,15 @@ export interface operations {
                     "application/json": components["schemas"]["RobotView"][];
                 };
             };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description Not logged in, or the token is not valid. */
             401: {
                 headers: {
@@ -2482,6 +2536,15 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["RobotView"];
+                };
+            };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
                 };
             };
             /** @description Not logged in, or the token is not valid. */
@@ -2555,6 +2618,15 @@ export interface operations {
                     "application/json": components["schemas"]["RobotSettings"];
                 };
             };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description Not logged in, or the token is not valid. */
             401: {
                 headers: {
@@ -2624,6 +2696,15 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Assignment"];
+                };
+            };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
                 };
             };
             /** @description Not logged in, or the token is not valid. */
@@ -2702,6 +2783,15 @@ export interface operations {
                     "application/json": components["schemas"]["Assignment"];
                 };
             };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description Not logged in, or the token is not valid. */
             401: {
                 headers: {
@@ -2778,6 +2868,15 @@ export interface operations {
                     "application/json": components["schemas"]["Assignment"];
                 };
             };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description Not logged in, or the token is not valid. */
             401: {
                 headers: {
@@ -2852,6 +2951,15 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Assignment"];
+                };
+            };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
                 };
             };
             /** @description Not logged in, or the token is not valid. */
@@ -2934,6 +3042,15 @@ export interface operations {
                     "application/json": components["schemas"]["ManualDrive"];
                 };
             };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description Not logged in, or the token is not valid. */
             401: {
                 headers: {
@@ -3007,6 +3124,15 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content?: never;
+            };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
             };
             /** @description Not logged in, or the token is not valid. */
             401: {
@@ -3088,6 +3214,15 @@ export interface operations {
                     "application/json": components["schemas"]["RegistrationView"];
                 };
             };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description Not logged in, or the token is not valid. */
             401: {
                 headers: {
@@ -3159,6 +3294,15 @@ export interface operations {
                     "text/event-stream": string;
                 };
             };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description Not logged in, or the token is not valid. */
             401: {
                 headers: {
@@ -3228,6 +3372,15 @@ export interface operations {
                 };
                 content?: never;
             };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description Not logged in, or the token is not valid. */
             401: {
                 headers: {
@@ -3293,6 +3446,15 @@ export interface operations {
                     "application/json": components["schemas"]["Waypoint"][];
                 };
             };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description Not logged in, or the token is not valid. */
             401: {
                 headers: {
@@ -3342,6 +3504,15 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Waypoint"];
+                };
+            };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
                 };
             };
             /** @description Not logged in, or the token is not valid. */
@@ -3415,6 +3586,15 @@ export interface operations {
                     "application/json": components["schemas"]["Waypoint"];
                 };
             };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description Not logged in, or the token is not valid. */
             401: {
                 headers: {
@@ -3470,6 +3650,15 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content?: never;
+            };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
             };
             /** @description Not logged in, or the token is not valid. */
             401: {
@@ -3545,6 +3734,15 @@ export interface operations {
                     "application/json": components["schemas"]["Route"][];
                 };
             };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description Not logged in, or the token is not valid. */
             401: {
                 headers: {
@@ -3594,6 +3792,15 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Route"];
+                };
+            };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
                 };
             };
             /** @description Not logged in, or the token is not valid. */
@@ -3667,6 +3874,15 @@ export interface operations {
                     "application/json": components["schemas"]["Route"];
                 };
             };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description Not logged in, or the token is not valid. */
             401: {
                 headers: {
@@ -3731,6 +3947,15 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content?: never;
+            };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
             };
             /** @description Not logged in, or the token is not valid. */
             401: {
@@ -3806,6 +4031,15 @@ export interface operations {
                     "application/json": components["schemas"]["EmergencyStop"];
                 };
             };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description Not logged in, or the token is not valid. */
             401: {
                 headers: {
@@ -3855,6 +4089,15 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["EmergencyStop"];
+                };
+            };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
                 };
             };
             /** @description Not logged in, or the token is not valid. */
@@ -3917,6 +4160,15 @@ export interface operations {
                     "application/json": components["schemas"]["EmergencyStop"];
                 };
             };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description Not logged in, or the token is not valid. */
             401: {
                 headers: {
@@ -3971,6 +4223,15 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["CameraView"][];
+                };
+            };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
                 };
             };
             /** @description Not logged in, or the token is not valid. */
@@ -4030,6 +4291,15 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content?: never;
+            };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
             };
             /** @description Not logged in, or the token is not valid. */
             401: {
@@ -4105,6 +4375,15 @@ export interface operations {
                 };
                 content?: never;
             };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description Not logged in, or the token is not valid. */
             401: {
                 headers: {
@@ -4170,6 +4449,15 @@ export interface operations {
                     "application/json": components["schemas"]["SimulatedObject"][];
                 };
             };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description Not logged in, or the token is not valid. */
             401: {
                 headers: {
@@ -4228,6 +4516,15 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["SimulatedObject"];
+                };
+            };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
                 };
             };
             /** @description Not logged in, or the token is not valid. */
@@ -4310,6 +4607,15 @@ export interface operations {
                     "application/json": components["schemas"]["SimulatedObject"];
                 };
             };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description Not logged in, or the token is not valid. */
             401: {
                 headers: {
@@ -4374,6 +4680,15 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content?: never;
+            };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
             };
             /** @description Not logged in, or the token is not valid. */
             401: {
@@ -4440,6 +4755,15 @@ export interface operations {
                     "application/json": components["schemas"]["UserView"][];
                 };
             };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description Not logged in, or the token is not valid. */
             401: {
                 headers: {
@@ -4489,6 +4813,15 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["NewUserView"];
+                };
+            };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
                 };
             };
             /** @description Not logged in, or the token is not valid. */
@@ -4560,6 +4893,15 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["UserView"];
+                };
+            };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
                 };
             };
             /** @description Not logged in, or the token is not valid. */
@@ -4636,6 +4978,15 @@ export interface operations {
                 };
                 content?: never;
             };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description Not logged in, or the token is not valid. */
             401: {
                 headers: {
@@ -4710,6 +5061,15 @@ export interface operations {
                     "application/json": components["schemas"]["TokenView"][];
                 };
             };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description Not logged in, or the token is not valid. */
             401: {
                 headers: {
@@ -4759,6 +5119,15 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["NewTokenView"];
+                };
+            };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
                 };
             };
             /** @description Not logged in, or the token is not valid. */
@@ -4825,6 +5194,15 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content?: never;
+            };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
             };
             /** @description Not logged in, or the token is not valid. */
             401: {

@@ -32,7 +32,13 @@ export default function FloorPage() {
       </div>
       <Box component="aside" className={classes["panel"] ?? ""} aria-label="Robots and the selected one">
         <RobotList selected={selected} onSelect={onSelect} />
-        {robot && <RobotPanel robot={robot} />}
+        {robot ? (
+          <RobotPanel robot={robot} />
+        ) : (
+          <Text p="md" size="sm" c="dimmed">
+            Select a robot, here or on the map, to start a route or to drive it by hand.
+          </Text>
+        )}
       </Box>
     </div>
   );
