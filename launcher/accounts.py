@@ -1,4 +1,4 @@
-"""Users and tokens that a system needs at its start, made through the server's own functions."""
+"""Users, tokens and first orders that a system needs at its start, made through the server's own functions."""
 
 from collections.abc import AsyncGenerator, Sequence
 from contextlib import asynccontextmanager
@@ -6,7 +6,9 @@ from contextlib import asynccontextmanager
 import redis.asyncio
 
 from launcher.environment import SystemSettings
+from protocol.lab import load_lab
 from server.auth import Role, bootstrap, issue_token
+from server.tours import start_tours
 
 
 class ServerAccounts:
@@ -19,6 +21,11 @@ class ServerAccounts:
         """The new password of `admin` when there was no user yet, else None."""
         async with self._client() as client:
             return await bootstrap(client)
+
+    async def start_tours(self) -> list[str]:
+        """Sends the simulated vehicles on the lab's tours; which ones."""
+        async with self._client() as client:
+            return await start_tours(client, load_lab(self._settings.lab))
 
     async def robot_tokens(self, robots: Sequence[str]) -> dict[str, str]:
         """A fresh token for each robot; it makes the one of the start before void, so nothing need be kept."""

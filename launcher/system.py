@@ -45,6 +45,10 @@ class Accounts(Protocol):
         """The new password when there was no admin yet, else None."""
         ...
 
+    async def start_tours(self) -> list[str]:
+        """Gives the simulated vehicles of a new lab something to do; which ones."""
+        ...
+
     async def robot_tokens(self, robots: Sequence[str]) -> dict[str, str]:
         """A valid API token for each robot."""
         ...
@@ -145,6 +149,8 @@ class System:
         has_server = any(process.kind.name == SERVER for process in others)
         if has_server:
             self._untold_password = await accounts.ensure_admin()
+            if self._untold_password is not None and (driving := await accounts.start_tours()):
+                self._terminal.step(f"first start: {', '.join(driving)} drive the tours of the lab file")
         tokens = await accounts.robot_tokens([process.id for process in others if process.kind.needs_token])
         if others:
             self._terminal.step(f"starting {', '.join(process.name for process in others)}")

@@ -62,6 +62,7 @@ async def _prepare(process: ProcessInstance, settings: environment.SystemSetting
     if process.kind.name == SERVER:
         password = await ServerAccounts(settings).ensure_admin()
         if password is not None:
+            await ServerAccounts(settings).start_tours()
             progress(f"Log in as: admin, password {password} (shown only this once)")
     if not process.kind.needs_token:
         return ""

@@ -99,6 +99,20 @@ def _cross_problems(lab: Lab) -> Iterator[tuple[Location, str]]:
                 ("simulation", "starts", name),
                 f"start for unknown vehicle {name!r} (vehicles: {_listed(known_vehicles)})",
             )
+    yield from _tour_problems(lab)
+
+
+def _tour_problems(lab: Lab) -> Iterator[tuple[Location, str]]:
+    simulated = {vehicle.id for vehicle in lab.vehicles if vehicle.driver == "sim"}
+    for name, points in lab.simulation.tours.items():
+        if name not in simulated:
+            yield (
+                ("simulation", "tours", name),
+                f"tour for {name!r}, which is no simulated vehicle ({_listed(simulated)})",
+            )
+        for index, (x, y) in enumerate(points):
+            if lab.area_at(x, y) is None:
+                yield ("simulation", "tours", name, index), f"({x:g}, {y:g}) lies outside every area"
 
 
 def _tag_clashes(lab: Lab) -> Iterator[tuple[Location, str]]:

@@ -59,8 +59,12 @@ class SimulatedNetwork(LabModel):
     jitter_s: NonNegative = 0.0
 
 
+Tour = Annotated[tuple[PointXY, ...], Field(min_length=2, max_length=99)]
+
+
 class Simulation(LabModel):
-    """What only the simulated lab reads: the truth behind the cameras and vehicles, and its knobs."""
+    """What only the simulated lab reads: the truth behind the cameras and vehicles, and its knobs. `tours` are loops of
+    points (m, map frame) that vehicles drive from the lab's first start on."""
 
     seed: int = 1
     step_s: Annotated[float, Field(gt=0, le=0.05)] = 0.01
@@ -68,6 +72,7 @@ class Simulation(LabModel):
     starts: dict[Identifier, PoseXYYaw] = Field(default_factory=dict)
     lanes: tuple[Annotated[tuple[PointXY, ...], Field(min_length=2)], ...] = ()
     survey: SimulatedSurvey = SimulatedSurvey()
+    tours: dict[Identifier, Tour] = Field(default_factory=dict)
     image: SimulatedImage = SimulatedImage()
     drive: SimulatedDrive = SimulatedDrive()
     network: SimulatedNetwork = SimulatedNetwork()

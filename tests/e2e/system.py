@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import httpx
+import yaml
 from redis import Redis
 
 from launcher.redis_server import redis_url, socket_path
@@ -46,18 +47,14 @@ def free_ports(count: int) -> list[int]:
     return numbers
 
 
-def lab_on_free_ports(folder: Path, source: Path = ROOT / "labs/gulliver.yaml") -> Path:
-    """A copy of a lab file whose ports are free."""
-    http, robots, scene, lab = free_ports(4)
-    text, count = re.subn(
-        r"^ports: .*$",
-        f"ports: {{http: {http}, robots_udp: {robots}, scene: {scene}, lab_udp: {lab}}}",
-        source.read_text(),
-        flags=re.MULTILINE,
-    )
-    assert count == 1, f"{source} has no line of ports"
+def lab_on_free_ports(folder: Path, source: Path = ROOT / "labs/gulliver.yaml", *, tours: bool = False) -> Path:
+    """A copy of a lab file whose ports are free; without tours, so that robots stand still until a test drives them."""
+    lab = yaml.safe_load(source.read_text())
+    lab["ports"] = dict(zip(("http", "robots_udp", "scene", "lab_udp"), free_ports(4), strict=True))
+    if not tours:
+        del lab["simulation"]["tours"]
     path = folder / "lab.yaml"
-    path.write_text(text)
+    path.write_text(yaml.safe_dump(lab))
     return path
 
 

@@ -96,6 +96,9 @@ async def test_the_end_comes_also_when_a_cancellation_is_lost(settings: SystemSe
     called = asyncio.Event()
 
     class Stubborn:
+        async def start_tours(self) -> list[str]:
+            return []
+
         async def ensure_admin(self) -> str | None:
             return None
 
@@ -116,6 +119,9 @@ async def test_the_end_comes_also_when_a_cancellation_is_lost(settings: SystemSe
 
 async def test_a_start_that_fails_says_why_and_leaves_nothing(settings: SystemSettings, screen: Screen) -> None:
     class Refusing:
+        async def start_tours(self) -> list[str]:
+            return []
+
         async def ensure_admin(self) -> str | None:
             return None
 
