@@ -8,7 +8,7 @@ import asyncio
 import logging
 from collections import deque
 from collections.abc import AsyncGenerator, Awaitable, Callable
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, suppress
 from typing import Any, cast
 
 from redis.exceptions import RedisError
@@ -42,6 +42,7 @@ from protocol.messages import (
     EmergencyStop,
     Event,
     FloorRaster,
+    GuidanceState,
     ProcessState,
     Route,
     SimulatedObject,
@@ -94,6 +95,7 @@ class LiveHub:
         self._latest: dict[str, dict[str, Any]] = {channel.name: {} for channel in CHANNELS}
         self._fleet = FleetState()
         self._raster: FloorRaster | None = None
+        self._assignments_due = False
         self._waypoints: dict[str, Waypoint] = {}
         self._routes: dict[str, Route] = {}
         self._objects: dict[str, SimulatedObject] = {}
@@ -160,6 +162,12 @@ class LiveHub:
                 self._fleet.emergency_stop = received.message
         elif received.channel is COMMANDS:
             self.feeds.command(received.message)
+        elif received.channel is GUIDANCE:
+            before = cast("GuidanceState | None", self._latest[GUIDANCE.name].get(received.instance))
+            now = cast("GuidanceState", received.message)
+            # Guidance moves assignments on without announcing it; what it says of the robot then changes too.
+            if before is None or (before.leg, before.reason.code) != (now.leg, now.reason.code):
+                self._assignments_due = True
         self._latest[received.channel.name][received.instance] = received.message
         self._dirty.set()
 
@@ -248,6 +256,10 @@ class LiveHub:
                 pass
             self._dirty.clear()
             if self._clients:
+                if self._assignments_due:
+                    self._assignments_due = False
+                    with suppress(*_AWAY):
+                        await self._read_assignments()
                 self._build()
             await self._clock.sleep(_PERIOD_S)
 

@@ -90,7 +90,7 @@ def base(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[str, dict[s
 
 @SCHEMA.exclude(operation_id="stream_commands").parametrize()  # pyright: ignore[reportUntypedFunctionDecorator]  # as schemathesis types it
 @settings(
-    max_examples=5,
+    max_examples=4,
     phases=[Phase.explicit, Phase.generate],
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much, HealthCheck.function_scoped_fixture],
     deadline=None,
