@@ -1,6 +1,6 @@
 /** Changes of the floor made on the map: waypoints and simulated objects are placed, moved and removed; robots are sent. */
 import { act } from "../api/action";
-import { call } from "../api/client";
+import { ApiError, call } from "../api/client";
 import type { LabView, RobotView, SimulatedObject, Waypoint } from "../api/types";
 import { isAssigned } from "../fleet/robot-state";
 import { contains, type Point } from "../geometry/points";
@@ -31,10 +31,34 @@ function waypointAt(lab: LabView, id: string, [x, y]: Point): Waypoint {
   return { id, area: areaAt(lab, [x, y]), x: millimetres(x), y: millimetres(y), radius_m: RADIUS_M, yaw: null };
 }
 
+/** Creates something under the first free id. Clicks can come faster than the live stream, and from several consoles: an id
+ * that turns out to be taken is left for the next one. */
+export async function createWithFreeId(
+  prefix: string,
+  taken: Readonly<Record<string, unknown>>,
+  create: (id: string) => Promise<unknown>,
+): Promise<string> {
+  const refused: Record<string, true> = {};
+  for (;;) {
+    const id = freeId(prefix, { ...taken, ...refused });
+    try {
+      await create(id);
+      return id;
+    } catch (error) {
+      if (!(error instanceof ApiError && error.status === 409)) throw error;
+      refused[id] = true;
+    }
+  }
+}
+
 export async function addWaypoint(lab: LabView, point: Point): Promise<void> {
-  const waypoint = waypointAt(lab, freeId("wp", liveStore.getState().state.waypoints), point);
-  const done = await act("Placing a waypoint", () => call("post", "/api/waypoints", { body: waypoint }));
-  if (done) offerUndo(`Waypoint ${waypoint.id} placed`, () => removeWaypoint(waypoint));
+  await act("Placing a waypoint", () =>
+    createWithFreeId("wp", liveStore.getState().state.waypoints, async (id) => {
+      const waypoint = waypointAt(lab, id, point);
+      await call("post", "/api/waypoints", { body: waypoint });
+      offerUndo(`Waypoint ${id} placed`, () => removeWaypoint(waypoint));
+    }),
+  );
 }
 
 export function removeWaypoint({ id }: Waypoint): Promise<boolean> {
@@ -56,9 +80,13 @@ export async function moveWaypoint(lab: LabView, waypoint: Waypoint, x: number, 
 }
 
 export function addObject(kind: SimulatedObject["kind"], [x, y]: Point): Promise<boolean> {
-  const id = freeId(kind, liveStore.getState().state.objects);
-  const body = { id, kind, x: millimetres(x), y: millimetres(y), yaw: 0, path: [], speed_mps: 0 };
-  return act(`Putting down ${id}`, () => call("post", "/api/sim/objects", { body }));
+  return act(`Putting down a ${kind}`, () =>
+    createWithFreeId(kind, liveStore.getState().state.objects, (id) =>
+      call("post", "/api/sim/objects", {
+        body: { id, kind, x: millimetres(x), y: millimetres(y), yaw: 0, path: [], speed_mps: 0 },
+      }),
+    ),
+  );
 }
 
 export function moveObject(object: SimulatedObject, x: number, y: number): Promise<boolean> {
