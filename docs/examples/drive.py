@@ -22,7 +22,8 @@ def main() -> int:
     parser.add_argument("--area", default="camp")
     parser.add_argument("--timeout", type=float, default=120.0, help="seconds until the route must be done")
     arguments = parser.parse_args()
-    headers = {"Authorization": f"Bearer {os.environ.get('LILLIPUT_TOKEN', '')}"}
+    token = os.environ.get("LILLIPUT_TOKEN")
+    headers = {"Authorization": f"Bearer {token}"} if token else {}
 
     with httpx.Client(base_url=f"{arguments.server}/api", headers=headers, timeout=10) as api:
         legs: list[dict[str, object]] = []

@@ -100,7 +100,19 @@ class RunningSystem:
 
     def robot(self, vehicle: str) -> dict[str, Any]:
         """The robot as the API shows it."""
-        return self.api.get(f"/robots/{vehicle}").raise_for_status().json()
+        return self.get(f"/robots/{vehicle}")
+
+    def get(self, path: str) -> Any:
+        """What the API answers, also when it, or Redis behind it, is just being restarted."""
+
+        def answer() -> httpx.Response | None:
+            try:
+                response = self.api.get(path)
+            except httpx.TransportError:
+                return None
+            return None if response.status_code == 503 else response
+
+        return wait_for(f"an answer to GET {path}", answer).raise_for_status().json()
 
     def wait_until_driving_is_possible(self, timeout_s: float = 60.0) -> None:
         """Every robot is online and localized, and the obstacle grid is there."""

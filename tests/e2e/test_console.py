@@ -1,0 +1,263 @@
+"""An operator's first hour, in a real browser on the real system: waypoints, a route, a pallet in the way, the emergency stop
+over a restart of the server, driving by hand, every page. Where robots are is judged by the simulated truth."""
+
+import math
+import os
+import signal
+import threading
+import time
+from collections.abc import Generator
+from typing import cast
+
+import numpy as np
+import pytest
+from PIL import Image
+from playwright.sync_api import expect
+from shapely.geometry import Point, Polygon, box
+
+from geometry import SE2
+from lab.objects import PALLET_LENGTH_M, PALLET_WIDTH_M
+from protocol import keys
+from protocol.channels import GROUND_TRUTH, LAB_INSTANCE
+from protocol.codec import decode
+from protocol.lab import load_lab
+from protocol.messages import GroundTruth
+from tests.e2e.browser import SLOW_MS, Console, console
+from tests.e2e.system import ROOT, RunningSystem, wait_for
+
+ROBOT = "wifibot-14"
+ROUTE = [(2.0, 1.0), (3.6, 1.0), (3.6, 2.2)]
+PALLET = (3.0, 1.0)
+FOOTPRINT = Polygon(load_lab(ROOT / "labs/gulliver.yaml").vehicle(ROBOT).footprint)
+
+
+class Odyssey:
+    """Every true pose of the robot, as the lab publishes them."""
+
+    def __init__(self, system: RunningSystem) -> None:
+        self._redis = system.redis
+        self._stop = threading.Event()
+        self._thread = threading.Thread(target=self._run, daemon=True)
+        self.truths: list[GroundTruth] = []
+
+    def __enter__(self) -> "Odyssey":
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._stop.set()
+        self._thread.join(5)
+
+    def nearest_m(self, point: tuple[float, float]) -> float:
+        poses = [truth.vehicles[ROBOT] for truth in self.truths]
+        return min(math.dist(point, (pose.x, pose.y)) for pose in poses)
+
+    def _run(self) -> None:
+        while not self._stop.wait(0.02):
+            raw = cast("bytes | None", self._redis.hget(keys.live(GROUND_TRUTH.name), LAB_INSTANCE))
+            if raw is not None:
+                truth = decode(GroundTruth, raw)
+                if not self.truths or truth.stamp_ns > self.truths[-1].stamp_ns:
+                    self.truths.append(truth)
+
+
+@pytest.fixture(scope="module")
+def operator(system: RunningSystem) -> Generator[Console]:
+    for robot in ("wifibot-14", "turtlebot-16"):  # what other tests left
+        system.api.delete(f"/robots/{robot}/assignment")
+    with console(system) as running:
+        yield running
+
+
+def footprint(system: RunningSystem) -> Polygon:
+    pose = system.truth(ROBOT)
+    return Polygon(SE2(pose.x, pose.y, pose.yaw).apply(np.array(FOOTPRINT.exterior.coords)))
+
+
+def reason(system: RunningSystem) -> str:
+    found = system.robot(ROBOT)["reason"]
+    return found["code"] if found else ""
+
+
+def red_pixels(picture: str | os.PathLike[str], corners: list[tuple[float, float]]) -> int:
+    """How many clearly red pixels the rectangle between two corners (page pixels) has."""
+    (x0, y0), (x1, y1) = corners
+    crop = (
+        Image.open(picture)
+        .convert("RGB")
+        .crop((int(min(x0, x1)), int(min(y0, y1)), int(max(x0, x1)), int(max(y0, y1))))
+    )
+    red, green, blue = np.moveaxis(np.asarray(crop).astype(int), 2, 0)
+    return int(((red > 90) & (red > 1.5 * green) & (red > 1.5 * blue)).sum())
+
+
+def bring_to_start(system: RunningSystem) -> None:
+    """The robot to (1, 1), wherever earlier tests left it."""
+    body = {"id": "home", "area": "camp", "x": 1.0, "y": 1.0, "radius_m": 0.15, "yaw": 0.0}
+    system.api.put("/waypoints/home", json=body).raise_for_status()
+    system.api.put("/routes/home", json={"id": "home", "legs": [{"waypoint": "home"}]}).raise_for_status()
+    system.api.put(f"/robots/{ROBOT}/assignment", json={"route": "home"}).raise_for_status()
+    wait_for("the robot is home", lambda: system.robot(ROBOT)["assignment"]["state"] == "done", 90)
+
+
+def test_a_route_is_placed_driven_blocked_and_finished(system: RunningSystem, operator: Console) -> None:
+    bring_to_start(system)
+    known = {waypoint["id"] for waypoint in system.api.get("/waypoints").json()}
+    operator.open("floor")
+    operator.part("place-waypoints").click()
+    for x, y in ROUTE:
+        operator.click_floor(x, y)
+    wait_for("three waypoints", lambda: len(system.api.get("/waypoints").json()) == len(known) + 3)
+    operator.part("place-waypoints").click()
+    placed = {w["id"]: w for w in system.api.get("/waypoints").json() if w["id"] not in known}
+    ordered = [
+        min(placed, key=lambda name: math.dist(point, (placed[name]["x"], placed[name]["y"]))) for point in ROUTE
+    ]
+    assert all(math.dist(p, (placed[n]["x"], placed[n]["y"])) < 0.03 for p, n in zip(ROUTE, ordered, strict=True))
+
+    operator.open("routes")
+    operator.part("route-new").click()
+    operator.part("route-id").fill("rounds")
+    for name in ordered:
+        operator.part("route-add-waypoint").click()
+        operator.page.get_by_role("option", name=name, exact=True).click()
+    operator.screenshot("routes")
+    operator.part("route-save").click()
+    wait_for("the route", lambda: any(route["id"] == "rounds" for route in system.api.get("/routes").json()))
+
+    operator.open("floor")
+    with Odyssey(system) as odyssey:
+        operator.start_route(ROBOT, "rounds")
+        wait_for("the first waypoint is passed", lambda: system.robot(ROBOT)["assignment"]["leg"] == 1, 40)
+        operator.click_floor(*PALLET, right=True)
+        operator.part("menu-add-pallet").click()
+        pallet = box(
+            PALLET[0] - PALLET_LENGTH_M / 2,
+            PALLET[1] - PALLET_WIDTH_M / 2,
+            PALLET[0] + PALLET_LENGTH_M / 2,
+            PALLET[1] + PALLET_WIDTH_M / 2,
+        )
+        wait_for("it waits for the obstacle", lambda: reason(system) == "obstacle", 30)
+        wait_for("it stands", lambda: abs(system.truth(ROBOT).linear_mps) < 1e-3, 5)
+        gap_m = footprint(system).distance(pallet)
+        assert gap_m >= 0.3
+        expect(operator.part(f"robot-{ROBOT}")).to_have_attribute("data-state", "waiting")
+        front_x = max(x for x, _ in footprint(system).exterior.coords)
+        lane = [operator.at(front_x + 0.08, 1.1), operator.at(pallet.bounds[0] - 0.08, 0.9)]
+        assert red_pixels(operator.screenshot("blocked"), lane) > 50
+        stood = system.truth(ROBOT)
+        waited_from = time.monotonic()
+        while time.monotonic() - waited_from < 2.0:
+            assert math.dist((stood.x, stood.y), (system.truth(ROBOT).x, system.truth(ROBOT).y)) < 0.005
+        operator.click_floor(*PALLET, right=True)
+        operator.part("menu-remove-object").click()
+        wait_for("it drives on", lambda: abs(system.truth(ROBOT).linear_mps) > 0.1, 10)
+        assert red_pixels(operator.screenshot("floor"), lane) < 50
+        wait_for("the route is done", lambda: system.robot(ROBOT)["assignment"]["state"] == "done", 60)
+    for name in ordered:
+        waypoint = placed[name]
+        assert odyssey.nearest_m((waypoint["x"], waypoint["y"])) <= waypoint["radius_m"]
+    assert Point(system.truth(ROBOT).x, system.truth(ROBOT).y).distance(Point(*ROUTE[-1])) <= 0.15 + 0.03
+    assert odyssey.truths[-1].contacts == 0
+
+
+def test_the_emergency_stop_halts_all_at_once_and_outlives_the_server(system: RunningSystem, operator: Console) -> None:
+    for robot, y in (("wifibot-14", 2.2), ("turtlebot-16", 1.0)):
+        ends = ((1.2, y), (3.4, y)) if robot == "wifibot-14" else ((4.8, y), (6.8, y))
+        for number, (x, _) in enumerate(ends):
+            body = {"id": f"stop-{robot}-{number}", "area": "camp", "x": x, "y": y, "radius_m": 0.2}
+            system.api.put(f"/waypoints/{body['id']}", json=body).raise_for_status()
+        legs = [{"waypoint": f"stop-{robot}-{number}", "speed_mps": 0.3} for number in range(2)]
+        system.api.put(f"/routes/to-{robot}", json={"id": f"to-{robot}", "legs": legs, "loop": True}).raise_for_status()
+        system.api.put(f"/robots/{robot}/assignment", json={"route": f"to-{robot}"}).raise_for_status()
+    moving = ("wifibot-14", "turtlebot-16")
+    wait_for("both drive", lambda: all(abs(system.truth(robot).linear_mps) > 0.25 for robot in moving), 30)
+
+    operator.open("floor")
+    operator.page.evaluate(
+        "window.addEventListener('pointerdown', () => { window.pressedAt = performance.timeOrigin + performance.now() },"
+        " {capture: true})"
+    )
+    with Odyssey(system) as odyssey:
+        wait_for("both drive", lambda: all(abs(system.truth(robot).linear_mps) > 0.25 for robot in moving), 30)
+        operator.part("estop-engage").click()
+        wait_for("all stand", lambda: all(abs(system.truth(robot).linear_mps) < 1e-3 for robot in moving), 5)
+    pressed_ns = float(operator.page.evaluate("window.pressedAt")) * 1e6
+    still = [t for t in odyssey.truths if all(abs(t.vehicles[robot].linear_mps) < 1e-3 for robot in moving)]
+    halted_s = (next(t.stamp_ns for t in still if t.stamp_ns > pressed_ns) - pressed_ns) / 1e9
+    assert halted_s <= 0.3
+    expect(operator.part("estop-banner")).to_be_visible()
+    operator.screenshot("emergency-stop")
+
+    where = {robot: system.truth(robot) for robot in moving}
+    server = system.processes()["server"]
+    assert server.pid is not None
+    os.kill(server.pid, signal.SIGKILL)
+    wait_for("the server is back", lambda: system.processes()["server"].pid not in (None, server.pid))
+    expect(operator.part("connection")).to_have_attribute("data-state", "live")
+    assert system.get("/estop")["engaged"] is True
+    expect(operator.part("estop-banner")).to_be_visible()
+    assert all(abs(system.truth(robot).linear_mps) < 1e-3 for robot in moving)
+    for robot, before in where.items():
+        after = system.truth(robot)
+        assert math.dist((before.x, before.y), (after.x, after.y)) < 0.01
+    refused = system.api.put("/robots/wifibot-15/assignment", json={"route": "to-wifibot-14"})
+    assert refused.status_code == 409
+
+    operator.part("estop-release").click()
+    operator.part("estop-release-confirm").click()
+    expect(operator.part("estop-banner")).to_be_hidden()
+    wait_for("both drive again", lambda: all(abs(system.truth(robot).linear_mps) > 0.1 for robot in moving), 20)
+    for robot in moving:
+        system.api.delete(f"/robots/{robot}/assignment").raise_for_status()
+
+
+def test_the_stick_drives_the_robot_and_hands_it_back(system: RunningSystem, operator: Console) -> None:
+    bring_to_start(system)
+    system.api.put(f"/robots/{ROBOT}/assignment", json={"route": "rounds"}).raise_for_status()
+    wait_for("it drives its route", lambda: abs(system.truth(ROBOT).linear_mps) > 0.1, 20)
+    operator.open("floor")
+    operator.select(ROBOT)
+    stick = operator.part("stick")
+    stick.hover()  # waits until the panel has come to rest
+    place = stick.bounding_box()
+    assert place is not None
+    x, y = place["x"] + place["width"] / 2, place["y"] + place["height"] / 2
+    operator.page.mouse.move(x, y)
+    operator.page.mouse.down()
+    operator.page.mouse.move(x - place["width"] / 2, y, steps=4)  # full left: turn on the spot, as no route would
+    wait_for("it turns by hand", lambda: system.truth(ROBOT).angular_radps > 0.3, 10)
+    assert system.robot(ROBOT)["reason"]["code"] == "manual"
+    turned_from = system.truth(ROBOT).yaw
+    wait_for("it has turned", lambda: abs(SE2(0, 0, system.truth(ROBOT).yaw - turned_from).yaw) > 0.3, 10)
+    operator.screenshot("manual")
+    operator.page.mouse.up()
+    wait_for("the route has it again", lambda: system.robot(ROBOT)["state"] == "driving", 10)
+    assert system.robot(ROBOT)["manual"] is None
+    wait_for("the route is done", lambda: system.robot(ROBOT)["assignment"]["state"] == "done", 90)
+
+
+def test_every_page_shows_what_it_is_for(system: RunningSystem, operator: Console) -> None:
+    operator.open("cameras")
+    for camera in ("cam0", "cam1", "cam2", "cam3"):
+        expect(operator.part(f"camera-{camera}")).to_have_attribute("data-ok", "true")
+        operator.page.wait_for_function(
+            # a canvas is 300 pixels wide until a picture is painted
+            "id => (document.querySelector(`[data-testid='preview-${id}']`)?.width ?? 0) > 300",
+            arg=camera,
+        )
+    operator.screenshot("cameras")
+    operator.open("system")
+    expect(operator.part("processes")).to_contain_text("camera-cam3")
+    operator.screenshot("system")
+    operator.open("events")
+    expect(operator.part("events")).to_contain_text("wifibot-14")
+    operator.screenshot("events")
+    operator.open("admin")
+    expect(operator.part("users")).to_contain_text("admin")
+    operator.screenshot("admin")
+    operator.open("3d")
+    frame = operator.page.frame_locator("[data-testid='scene-frame']")
+    expect(frame.locator("canvas").first).to_be_visible(timeout=3 * SLOW_MS)
+    expect(operator.part("scene")).to_have_attribute("data-state", "alive", timeout=3 * SLOW_MS)
+    operator.screenshot("scene")
