@@ -39,6 +39,8 @@ from protocol.messages import Command, EmergencyStop, TrackedPose
 
 CONTROL_RATE_HZ = 20.0
 STATUS_RATE_HZ = 10.0
+STARTING_S = 5.0
+"""A base that has not spoken this early is still starting: no fault yet."""
 _logger = logging.getLogger(__name__)
 
 
@@ -70,6 +72,8 @@ class Agent:
         self._server_host = server_host(config.server_url)
         self._base_trouble = Trouble(_logger, "base")
         self._order_trouble = Trouble(_logger, "refused commands")
+        self._started_s = clock.monotonic_s()
+        self._base_heard = False
 
     async def run(self) -> None:
         """For ever. OSError when no UDP socket can be opened."""
@@ -134,9 +138,11 @@ class Agent:
         try:
             reading = self._driver.read_odometry(ODOMETRY_LIMIT_S)
         except DriverError as error:
-            self._base_trouble.note(str(error))
+            if self._base_heard or self._clock.monotonic_s() - self._started_s > STARTING_S:
+                self._base_trouble.note(str(error))
             self.pilot.odometry_failed(str(error))
             return
+        self._base_heard = True
         faults = self._driver.faults()
         if faults:
             self._base_trouble.note(faults[0])

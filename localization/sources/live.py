@@ -20,6 +20,8 @@ from protocol.lab import CameraSpec
 
 _logger = logging.getLogger(__name__)
 
+_STARTING_S = 5.0
+"""What goes wrong before a first frame, this early, is a lab that is still starting: no warning yet."""
 _BREATH_S = 0.005
 """After a broken frame, so that a device that sends nothing else does not take a whole core."""
 _MOST_ABANDONED = 3
@@ -59,7 +61,7 @@ class LiveSource:
         self._connected = False
         self._error: str | None = "no frame yet"
         self._received = self._broken = self._skipped = 0
-        self._last_sign_s = self._last_frame_s = clock.monotonic_s()
+        self._started_s = self._last_sign_s = self._last_frame_s = clock.monotonic_s()
         self._readers: list[threading.Thread] = []
         self._start_reader()
 
@@ -162,7 +164,8 @@ class LiveSource:
             if not self._in_charge():
                 return
             if error != self._error:
-                _logger.warning("camera %s: %s", self._spec.id, error)
+                starting = not self._received and self._clock.monotonic_s() - self._started_s < _STARTING_S
+                _logger.log(logging.INFO if starting else logging.WARNING, "camera %s: %s", self._spec.id, error)
             self._last_sign_s = self._clock.monotonic_s()
             self._connected, self._error = connected, error
             self._broken += broken

@@ -219,7 +219,8 @@ class ManualDrive(Message):
     robot: Identifier
     linear_mps: Finite
     angular_radps: Finite
-    holder: str
+    holder: str = Field(description="Tells one browser session or token from another.")
+    by: str = Field(description="Who that is, for people.")
     expires_ns: StampNs
 
 

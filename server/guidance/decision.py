@@ -78,7 +78,7 @@ def by_hand(
     limits = spec.limits
     linear = _clip(hand.linear_mps, limits.speed_mps)
     angular = _clip(hand.angular_radps, limits.yaw_rate_radps)
-    text = f"driven by {hand.holder}"
+    text = f"driven by {hand.by}"
     if pose is None:
         linear, text = _clip(linear, p.manual_blind_mps), f"{text}, slowly: no camera sees the robot"
     elif linear and not _may_go(extrapolated(pose, age_s), linear, spec, ground, p):

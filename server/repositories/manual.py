@@ -31,12 +31,13 @@ class ManualDriveRepository:
             current = await transaction.get(_MANUAL, vehicle.id)
             held = current is not None and current.expires_ns > now_ns
             if held and current is not None and current.holder != holder:
-                raise ConflictError(f"somebody else drives {vehicle.id} by hand")
+                raise ConflictError(f"{current.by} drives {vehicle.id} by hand")
             drive = ManualDrive(
                 robot=vehicle.id,
                 linear_mps=max(-limits.speed_mps, min(limits.speed_mps, linear_mps)),
                 angular_radps=max(-limits.yaw_rate_radps, min(limits.yaw_rate_radps, angular_radps)),
                 holder=holder,
+                by=actor,
                 expires_ns=now_ns + _LEASE_NS,
             )
             transaction.publish(MANUAL, vehicle.id, drive)
@@ -55,7 +56,7 @@ class ManualDriveRepository:
             if current is None or current.expires_ns <= now_ns:
                 return
             if current.holder != holder:
-                raise ConflictError(f"somebody else drives {robot} by hand")
+                raise ConflictError(f"{current.by} drives {robot} by hand")
             ended = current.model_copy(update={"linear_mps": 0.0, "angular_radps": 0.0, "expires_ns": now_ns})
             transaction.publish(MANUAL, robot, ended)
             transaction.record(self._event(actor, "manual_released", f"{actor} let go of {robot}"))

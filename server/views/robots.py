@@ -114,6 +114,7 @@ class ManualView(View):
     """Who drives by hand, while their lease is fresh."""
 
     holder: str
+    by: str
     linear_mps: float
     angular_radps: float
     expires_ns: int
@@ -321,6 +322,7 @@ def _manual(drive: ManualDrive | None, now_ns: int) -> ManualView | None:
         return None
     return ManualView(
         holder=drive.holder,
+        by=drive.by,
         linear_mps=drive.linear_mps,
         angular_radps=drive.angular_radps,
         expires_ns=drive.expires_ns,

@@ -2,6 +2,7 @@
 
 import asyncio
 import contextlib
+import re
 from collections.abc import AsyncIterator, Callable
 from pathlib import Path
 
@@ -375,7 +376,9 @@ def test_wrong_settings_are_told_in_a_sentence(arguments: list[str], environment
 
 
 def test_an_unknown_driver_is_told(tmp_path: Path) -> None:
-    text = Path("labs/gulliver.yaml").read_text()
+    text = re.sub(
+        r"    wifibot-1[45]: \[\[.*\n", "", Path("labs/gulliver.yaml").read_text()
+    )  # tours are for simulated ones
     lab = tmp_path / "lab.yaml"
     lab.write_text(
         text.replace(

@@ -58,7 +58,9 @@ def driving(**changes: Any) -> Snapshot:
 def hand(linear: float = 0.3, angular: float = 0.0, lease_s: float = 0.5) -> dict[str, ManualDrive]:
     expires = START_NS + round(lease_s * SECOND)
     return {
-        ROBOT: ManualDrive(robot=ROBOT, linear_mps=linear, angular_radps=angular, holder="anna", expires_ns=expires)
+        ROBOT: ManualDrive(
+            robot=ROBOT, linear_mps=linear, angular_radps=angular, holder="anna", by="anna", expires_ns=expires
+        )
     }
 
 
@@ -342,7 +344,9 @@ class Fleet(RuleBasedStateMachine):
     @rule(robot=st.sampled_from([v.id for v in LAB.vehicles]), linear=st.floats(-2, 2), lease=st.floats(-1.0, 3.0))
     def stick(self, robot: str, linear: float, lease: float) -> None:
         expires = self.snapshot.now_ns + round(lease * SECOND)
-        drive = ManualDrive(robot=robot, linear_mps=linear, angular_radps=0.0, holder="anna", expires_ns=expires)
+        drive = ManualDrive(
+            robot=robot, linear_mps=linear, angular_radps=0.0, holder="anna", by="anna", expires_ns=expires
+        )
         self.snapshot = replace(self.snapshot, manual={**self.snapshot.manual, robot: drive})
 
     @rule(there=st.booleans())

@@ -67,7 +67,7 @@ def test_a_robot_on_its_way() -> None:
 
 
 STOPPED = EmergencyStop(engaged=True, reason="fire")
-HAND = ManualDrive(robot=ROBOT, linear_mps=0, angular_radps=0, holder="h", expires_ns=NOW_NS + 1)
+HAND = ManualDrive(robot=ROBOT, linear_mps=0, angular_radps=0, holder="h", by="h", expires_ns=NOW_NS + 1)
 WAITING = {ROBOT: command(ROBOT, START_NS, movement=Movement.WAITING)}
 IDLE = {ROBOT: command(ROBOT, START_NS, movement=Movement.NO_ACTION)}
 PAUSED = {ROBOT: assignment(AssignmentState.PAUSED)}

@@ -1278,8 +1278,16 @@ export interface components {
             linear_mps: number;
             /** Angular Radps */
             angular_radps: number;
-            /** Holder */
+            /**
+             * Holder
+             * @description Tells one browser session or token from another.
+             */
             holder: string;
+            /**
+             * By
+             * @description Who that is, for people.
+             */
+            by: string;
             /** Expires Ns */
             expires_ns: number;
         };
@@ -1290,6 +1298,8 @@ export interface components {
         ManualView: {
             /** Holder */
             holder: string;
+            /** By */
+            by: string;
             /** Linear Mps */
             linear_mps: number;
             /** Angular Radps */

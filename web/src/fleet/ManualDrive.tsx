@@ -74,7 +74,7 @@ export function ManualDrive({ robot }: { readonly robot: RobotView }) {
       </Group>
       {manual && (
         <Text size="sm" c="grape" data-testid="manual-holder">
-          {manual.holder === ownHolder ? "You hold the stick" : `Driven by ${manual.holder}`}
+          {manual.holder === ownHolder ? "You hold the stick" : `Driven by ${manual.by}`}
         </Text>
       )}
       {!may && (
