@@ -1,11 +1,17 @@
-"""The console in a real Chromium, as an operator's hands use it."""
+"""The console in a real Chromium, as an operator's hands use it.
+
+Pictures of its pages go to .lilliput/screenshots; those of the documentation are made by
+`LILLIPUT_SCREENSHOTS=docs/images ./lilliput test tests/e2e/test_console.py`.
+"""
 
 import os
 import re
 from collections.abc import Generator
 from contextlib import contextmanager
+from io import BytesIO
 from pathlib import Path
 
+from PIL import Image
 from playwright.sync_api import Locator, Page, expect, sync_playwright
 
 from tests.e2e.system import ROOT, RunningSystem
@@ -47,9 +53,10 @@ class Console:
         expect(self.page).to_have_url(re.compile(f"/{page}$"))
 
     def screenshot(self, name: str) -> Path:
+        """Writes a picture of the page, in 256 colours so that it is small enough for the documentation."""
         SCREENSHOTS.mkdir(parents=True, exist_ok=True)
         path = SCREENSHOTS / f"{name}.png"
-        self.page.screenshot(path=path)
+        Image.open(BytesIO(self.page.screenshot())).convert("RGB").quantize(256).save(path, optimize=True)
         return path
 
     def at(self, x: float, y: float) -> tuple[float, float]:

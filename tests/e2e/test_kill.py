@@ -19,6 +19,7 @@ from protocol.messages import Command, GroundTruth, Movement
 from tests.e2e.system import RunningSystem, running_system, wait_for
 
 ROBOT = "wifibot-14"
+SPEED_MPS = 0.3
 DEAD_MAN_S = 0.5
 BRAKING_S = 0.7
 """After the dead-man's switch: the base's own delay, 0.8 m/s at 2 m/s^2, and the truth's rate of 20 Hz."""
@@ -32,6 +33,7 @@ class Watch:
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run, daemon=True)
         self._commanded: dict[str, tuple[int, float]] = {}
+        self._last: GroundTruth | None = None
         self.violations: list[str] = []
         self.samples = 0
 
@@ -63,10 +65,21 @@ class Watch:
         if time.time_ns() - truth.stamp_ns > 0.2e9:
             return  # the lab itself is the one that is down
         self.samples += 1
+        before, self._last = self._last, truth
+        if before is not None and truth.stamp_ns - before.stamp_ns > 0.5e9:
+            self._judge_gap(before, truth)
         for vehicle, pose in truth.vehicles.items():
             idle_s = now - self._commanded.get(vehicle, (0, -math.inf))[1]
             if idle_s > DEAD_MAN_S + BRAKING_S and abs(pose.linear_mps) > 0.02:
                 self.violations.append(f"{vehicle} at {pose.linear_mps:.2f} m/s, {idle_s:.2f} s after its last order")
+
+    def _judge_gap(self, before: GroundTruth, after: GroundTruth) -> None:
+        """While Redis or the lab was away nobody could be watched: a robot may have rolled on until its dead-man's switch
+        stopped it, no farther."""
+        for vehicle, pose in before.vehicles.items():
+            way_m = math.dist((pose.x, pose.y), (after.vehicles[vehicle].x, after.vehicles[vehicle].y))
+            if way_m > SPEED_MPS * (DEAD_MAN_S + BRAKING_S):
+                self.violations.append(f"{vehicle} went {way_m:.2f} m while nobody could command it")
 
 
 def prepare_route(system: RunningSystem) -> None:
@@ -74,7 +87,7 @@ def prepare_route(system: RunningSystem) -> None:
     for index, (x, y) in enumerate(corners):
         body = {"id": f"kill-{index}", "area": "camp", "x": x, "y": y, "radius_m": 0.2}
         system.api.put(f"/waypoints/kill-{index}", json=body).raise_for_status()
-    legs = [{"waypoint": f"kill-{index}", "speed_mps": 0.3} for index in range(len(corners))]
+    legs = [{"waypoint": f"kill-{index}", "speed_mps": SPEED_MPS} for index in range(len(corners))]
     system.api.put("/routes/kill", json={"id": "kill", "legs": legs}).raise_for_status()
 
 

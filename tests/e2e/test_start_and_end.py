@@ -42,3 +42,17 @@ def test_the_first_password_is_shown_once(tmp_path: Path) -> None:
     with running_system(tmp_path, lab_file, password=password) as again:
         assert again.api.get("/session").json()["role"] == "admin"
         assert not any("Log in as" in line for line in again.output)
+
+
+def test_a_new_lab_shows_driving_robots_that_take_other_orders_at_once(tmp_path: Path) -> None:
+    with running_system(tmp_path, lab_on_free_ports(tmp_path, tours=True)) as system:
+        system.wait_until_driving_is_possible()
+        vehicles = [robot["id"] for robot in system.get("/robots")]
+        assert len(vehicles) == 4
+        for vehicle in vehicles:
+            wait_for(f"{vehicle} drives", lambda vehicle=vehicle: abs(system.truth(vehicle).linear_mps) > 0.1, 20)
+        body = {"id": "elsewhere", "area": "camp", "x": 2.0, "y": 1.3, "radius_m": 0.2}
+        system.api.post("/waypoints", json=body).raise_for_status()
+        system.api.post("/routes", json={"id": "elsewhere", "legs": [{"waypoint": "elsewhere"}]}).raise_for_status()
+        system.api.put(f"/robots/{vehicles[0]}/assignment", json={"route": "elsewhere"}).raise_for_status()
+        wait_for("it is there", lambda: system.robot(vehicles[0])["assignment"]["state"] == "done", 60)
