@@ -15,6 +15,10 @@ from server.repositories.documents import Store, Transaction
 from server.repositories.emergency_stop import EMERGENCY_STOPS, read_emergency_stop
 from server.repositories.plan import ASSIGNMENTS, PLAN, ROUTES, WAYPOINTS, is_over
 
+TOURS = "first start"
+"""Who starts the tours of a lab's first start. They are there to be seen, and in nobody's way: whoever starts a route on
+a robot that drives one for `TOURS` replaces it."""
+
 
 @dataclass(frozen=True, slots=True)
 class _Step:
@@ -43,13 +47,14 @@ class AssignmentRepository:
 
     async def start(self, robot: str, route: str, speed_scale: float, actor: str) -> Assignment:
         """Gives the robot a route. NotFoundError when there is no such route; ConflictError while the emergency stop is
-        engaged, another assignment is not over, or a waypoint of the route is missing."""
+        engaged, another assignment (one of the tours aside) is not over, or a waypoint of the route is missing."""
 
         async def work(transaction: Transaction) -> Assignment:
             if (await read_emergency_stop(transaction)).engaged:
                 raise ConflictError("the emergency stop is engaged; release it before starting a route")
             current = await transaction.get(ASSIGNMENTS, robot)
-            if current is not None and not is_over(current):
+            busy = current is not None and not is_over(current)
+            if busy and current is not None and current.started_by != TOURS:
                 raise ConflictError(f"{robot} has route {current.route!r} ({current.state}); stop it first")
             found = await transaction.get(ROUTES, route)
             if found is None:
@@ -58,19 +63,11 @@ class AssignmentRepository:
             missing = sorted({leg.waypoint for leg in found.legs} - waypoints.keys())
             if missing:
                 raise ConflictError(f"route {route!r} needs waypoint {', '.join(missing)}, which does not exist")
-            now_ns = _after(current, self._clock.now_ns())
-            assignment = Assignment(
-                id=secrets.token_hex(8),
-                robot=robot,
-                route=route,
-                state=AssignmentState.RUNNING,
-                speed_scale=speed_scale,
-                started_ns=now_ns,
-                changed_ns=now_ns,
-                started_by=actor,
-            )
+            assignment = begun(robot, route, speed_scale, actor, _after(current, self._clock.now_ns()))
             transaction.put(ASSIGNMENTS, robot, assignment)
-            transaction.record(self._event(actor, "route_started", f"{actor} started route {route} on {robot}"))
+            instead = f", in place of {current.route}" if busy and current is not None else ""
+            text = f"{actor} started route {route} on {robot}{instead}"
+            transaction.record(self._event(actor, "route_started", text))
             return assignment
 
         return await self._store.transaction((*PLAN, EMERGENCY_STOPS), work)
@@ -109,6 +106,20 @@ class AssignmentRepository:
 
     def _event(self, actor: str, kind: str, text: str) -> Event:
         return Event(stamp_ns=self._clock.now_ns(), level=EventLevel.INFO, source=actor, kind=kind, text=text)
+
+
+def begun(robot: str, route: str, speed_scale: float, actor: str, now_ns: int) -> Assignment:
+    """A new assignment, at its beginning."""
+    return Assignment(
+        id=secrets.token_hex(8),
+        robot=robot,
+        route=route,
+        state=AssignmentState.RUNNING,
+        speed_scale=speed_scale,
+        started_ns=now_ns,
+        changed_ns=now_ns,
+        started_by=actor,
+    )
 
 
 def _after(current: Assignment | None, now_ns: int) -> int:

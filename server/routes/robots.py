@@ -58,8 +58,9 @@ async def put_robot_settings(
 
 @router.put("/{robot_id}/assignment", summary="Start a route", responses=refusals(404, 409))
 async def start_route(identity: Operator, robot_id: RobotId, start: Start, context: Ctx) -> Assignment:
-    """Gives the robot a route. Refused while the emergency stop is engaged, while it has another one that is not over,
-    and when a waypoint of the route is missing."""
+    """Gives the robot a route. Refused while the emergency stop is engaged, while it has another one that is not over
+    (one that was started by `first start`, a simulated lab's tours, is replaced), and when a waypoint of the route is
+    missing."""
     context.vehicle(robot_id)
     return await context.assignments.start(robot_id, start.route, start.speed_scale, identity.name)
 

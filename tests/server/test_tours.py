@@ -10,7 +10,7 @@ from server.repositories.assignments import AssignmentRepository
 from server.repositories.documents import Store
 from server.repositories.plan import RouteRepository, WaypointRepository
 from server.tours import start_tours
-from tests.server.service import ROOT
+from tests.server.service import ROBOT, ROOT, in_process
 
 GULLIVER = ROOT / "labs" / "gulliver.yaml"
 
@@ -27,6 +27,32 @@ async def test_every_simulated_vehicle_drives_its_loop_and_a_second_start_change
         assert await start_tours(client, lab) == []
         after = await routes.all(), await WaypointRepository(store, lab, clock).all(), await assignments.all()
         assert after == before
+
+
+async def test_a_tour_is_in_nobodys_way(redis_url: str) -> None:
+    async with in_process(redis_url) as service:
+        await start_tours(service.context.bus.redis, service.context.lab)
+        operator, address = service.http("operator"), f"/api/robots/{ROBOT}/assignment"
+        await operator.post(f"{address}/pause")
+        await operator.post("/api/waypoints", json={"id": "a", "area": "camp", "x": 1, "y": 1})
+        await operator.post("/api/routes", json={"id": "r", "legs": [{"waypoint": "a"}]})
+        started = await operator.put(address, json={"route": "r"})
+        assert started.status_code == 200, started.text
+        assert (started.json()["route"], started.json()["started_by"]) == ("r", "operator token")
+        said = (await operator.get("/api/events")).json()[-1]["text"]
+        assert said == f"operator token started route r on {ROBOT}, in place of tour-{ROBOT}"
+        again = await operator.put(address, json={"route": f"tour-{ROBOT}"})
+        assert (again.status_code, again.json()["detail"]) == (409, f"{ROBOT} has route 'r' (running); stop it first")
+
+
+async def test_no_tour_begins_while_the_emergency_stop_is_engaged_and_none_is_left_half_made(redis_url: str) -> None:
+    async with in_process(redis_url) as service:
+        client, lab, operator = service.context.bus.redis, service.context.lab, service.http("operator")
+        await operator.post("/api/estop", json={})
+        assert await start_tours(client, lab) == []
+        assert (await operator.get("/api/waypoints")).json() == []
+        await operator.request("DELETE", "/api/estop", json={"confirm": True})
+        assert len(await start_tours(client, lab)) == 4
 
 
 @pytest.mark.parametrize(

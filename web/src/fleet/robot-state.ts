@@ -65,3 +65,8 @@ export function poseAgeMs(robot: RobotView, nowMs: number): number | null {
 export function isAssigned(robot: RobotView): boolean {
   return robot.assignment?.state === "running" || robot.assignment?.state === "paused";
 }
+
+/** Whether a route may be started on the robot: it has none, or one of the tours of the lab's first start, which give way. */
+export function isFree(robot: RobotView): boolean {
+  return !isAssigned(robot) || robot.assignment?.started_by === "first start";
+}

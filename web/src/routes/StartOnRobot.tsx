@@ -5,13 +5,13 @@ import { useState } from "react";
 import { act, showDone } from "../api/action";
 import { call } from "../api/client";
 import { useLive } from "../live/store";
-import { isAssigned, summarize } from "../fleet/robot-state";
+import { isFree, summarize } from "../fleet/robot-state";
 import { Guarded } from "../ui/Guarded";
 
 export function StartOnRobot({ route, isSaved }: { readonly route: string; readonly isSaved: boolean }) {
   const robots = useLive((live) => live.state.robots);
   const [chosen, setChosen] = useState<string | null>(null);
-  const free = Object.values(robots).filter((robot) => !isAssigned(robot));
+  const free = Object.values(robots).filter(isFree);
   const robot = free.some(({ id }) => id === chosen) ? chosen : (free[0]?.id ?? null);
 
   const start = async (id: string) => {
