@@ -168,6 +168,7 @@ class Bus:
     async def subscribe(self, *channels: Channel[Any], instance: str | None = None) -> AsyncIterator[Received[Any]]:
         """What is current on the LATEST channels, then everything new, for ever; of one instance or of all.
 
+        What is current is read only when Redis has confirmed the subscription, so that nothing falls between the two.
         Cancel the task or close the generator to end it.
         """
         topics = {keys.topic(channel.name, instance or "*"): channel for channel in channels}
@@ -175,24 +176,29 @@ class Bus:
         delay_s = _FIRST_RETRY_S
         while True:
             try:
-                async with self.redis.pubsub(ignore_subscribe_messages=True) as pubsub:
+                async with self.redis.pubsub() as pubsub:
                     await pubsub.psubscribe(*topics)
-                    for channel in channels:
-                        for name, message in (await self.latest_all(channel)).items():
-                            if instance is None or name == instance:
-                                yield Received(channel, name, message)
-                    delay_s = _FIRST_RETRY_S
+                    confirmed: set[bytes] = set()
                     while True:
                         item = cast("dict[str, Any] | None", await pubsub.get_message(timeout=_TIMEOUT_S / 2))
                         if item is None:
                             await pubsub.ping()  # pyright: ignore[reportGeneralTypeIssues]  # notices a dead connection
-                            continue
-                        if item["type"] != "pmessage":
-                            continue
-                        _, _, name, source = cast("bytes", item["channel"]).decode().split(":", 3)
-                        received = _received(by_name[name], source, cast("bytes", item["data"]))
-                        if received is not None:
-                            yield received
+                        elif item["type"] == "psubscribe":
+                            confirmed.add(cast("bytes", item["channel"]))
+                            if len(confirmed) < len(topics):
+                                continue
+                            # Also after a reconnection that redis-py made by itself: what was said meanwhile is lost.
+                            confirmed.clear()
+                            for channel in channels:
+                                for name, message in (await self.latest_all(channel)).items():
+                                    if instance is None or name == instance:
+                                        yield Received(channel, name, message)
+                            delay_s = _FIRST_RETRY_S
+                        elif item["type"] == "pmessage":
+                            _, _, name, source = cast("bytes", item["channel"]).decode().split(":", 3)
+                            received = _received(by_name[name], source, cast("bytes", item["data"]))
+                            if received is not None:
+                                yield received
             except (*UNAVAILABLE, BusUnavailableError) as error:
                 _logger.warning("Redis is out of reach, retrying in %.2f s: %s", delay_s, error)
                 await self._clock.sleep(delay_s)

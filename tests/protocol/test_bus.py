@@ -7,10 +7,11 @@ from collections.abc import AsyncGenerator, AsyncIterator
 from typing import Any, cast
 
 import pytest
+from redis.asyncio.client import PubSub
 
 from protocol import keys
-from protocol.bus import Bus, Received, SyncBus
-from protocol.channels import EVENTS, MANUAL, POSES, RASTERS, STATUSES
+from protocol.bus import Bus, M, Received, SyncBus
+from protocol.channels import EVENTS, MANUAL, POSES, RASTERS, STATUSES, Channel
 from protocol.errors import BusUnavailableError
 from protocol.messages import Event, EventLevel, FloorRaster, ManualDrive, Status, TrackedPose
 from tests.redis_fixture import RedisServer
@@ -100,6 +101,48 @@ async def test_a_subscription_goes_on_after_redis_was_killed(bus: Bus, redis_ser
         assert (await following(subscription)).message.x == 3.0
 
 
+class Racing(Bus):
+    """Publishes at the worst moment: just after a subscriber has read what is current."""
+
+    async def latest_all(self, channel: Channel[M]) -> dict[str, M]:
+        current = await super().latest_all(channel)
+        if channel is POSES:
+            await self.publish(POSES, "wifibot-14", pose(x=7.0))
+        return current
+
+
+async def test_nothing_falls_between_what_is_current_and_what_is_new(
+    redis_server: RedisServer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    bus = Racing.connect(redis_server.url)
+    send = PubSub.execute_command
+
+    async def slow_way(pubsub: PubSub, *arguments: Any) -> None:
+        """The command leaves at once as far as its sender knows, and reaches Redis later."""
+        await pubsub.connect()
+        late.append(asyncio.ensure_future(later(pubsub, *arguments)))
+
+    async def later(pubsub: PubSub, *arguments: Any) -> None:
+        await asyncio.sleep(0.1)
+        await send(pubsub, *arguments)
+
+    late: list[asyncio.Future[None]] = []
+    monkeypatch.setattr(PubSub, "execute_command", slow_way)
+    async with subscribed(bus, POSES, STATUSES) as subscription:
+        assert (await following(subscription)).message == pose(x=7.0)
+        await asyncio.gather(*late)
+    await bus.close()
+
+
+async def test_what_was_said_while_a_connection_was_made_anew_is_not_lost(bus: Bus) -> None:
+    await bus.publish(POSES, "wifibot-14", pose(x=1.0))
+    async with subscribed(bus, POSES, STATUSES) as subscription:
+        assert (await following(subscription)).message.x == 1.0
+        await bus.redis.client_kill_filter(_type="pubsub")
+        await bus.publish(POSES, "wifibot-14", pose(x=2.0))
+        assert (await following(subscription)).message.x == 2.0
+
+
 async def test_a_subscription_begun_without_redis_waits_for_it(redis_server: RedisServer) -> None:
     redis_server.kill()
     bus = Bus.connect(redis_server.url)
@@ -162,7 +205,9 @@ async def test_channels_of_bytes_and_of_models_travel(bus: Bus) -> None:
     raster = FloorRaster("cam0", 1, 0.0, 0.0, 0.05, 9, 1, b"\x80\x00", b"\xff\x80")
     await bus.publish(RASTERS, "cam0", raster)
     assert await bus.latest(RASTERS, "cam0") == raster
-    hand = ManualDrive(robot="wifibot-14", linear_mps=0.2, angular_radps=-0.1, holder="anna", expires_ns=5)
+    hand = ManualDrive(
+        robot="wifibot-14", linear_mps=0.2, angular_radps=-0.1, holder="session-1", by="anna", expires_ns=5
+    )
     await bus.publish(MANUAL, "wifibot-14", hand)
     assert await bus.latest(MANUAL, "wifibot-14") == hand
 
