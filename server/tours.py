@@ -26,8 +26,8 @@ async def start_tours(client: redis.asyncio.Redis, lab: Lab, clock: Clock | None
     clock = clock or SystemClock()
 
     async def work(transaction: Transaction) -> list[str]:
-        planned = [await transaction.all(documents) for documents in PLAN]
-        if any(planned) or (await read_emergency_stop(transaction)).engaged:
+        planned = await transaction.all(WAYPOINTS) or await transaction.all(ROUTES)
+        if planned or (await read_emergency_stop(transaction)).engaged:
             return []
         for vehicle, points in lab.simulation.tours.items():
             _start_tour(transaction, lab, vehicle, points, clock.now_ns())

@@ -42,16 +42,27 @@ class CommandFeeds:
         return len(self._feeds)
 
     def stop(self, stop: EmergencyStop) -> bool:
-        """Whether the latch changed. An older release is ignored: it may arrive behind what was read of Redis; whatever
-        engages is believed."""
+        """Whether what is known of the latch changed. What engages is believed; a release only with a greater epoch than
+        the engagement's, as the robots hold it: one that was overtaken on the way releases nothing, and a clock that was
+        set back does not matter. The epoch that is known never shrinks."""
         known = self.emergency_stop
-        if known is not None and (stop == known or (not stop.engaged and stop.stamp_ns < known.stamp_ns)):
-            return False
+        if known is not None:
+            if not stop.engaged and (stop.epoch <= known.epoch if known.engaged else stop.epoch < known.epoch):
+                return False
+            if stop.epoch < known.epoch:
+                stop = stop.model_copy(update={"epoch": known.epoch})
+            if stop == known:
+                return False
         self.emergency_stop = stop
         for feed in self._feeds:
             feed.emergency_stop = stop
             feed.woken.set()
         return True
+
+    @property
+    def epoch(self) -> int:
+        """The latch's greatest epoch so far, 0 before anything is known."""
+        return 0 if self.emergency_stop is None else self.emergency_stop.epoch
 
     def command(self, command: Command) -> None:
         """The newest command of its robot."""

@@ -21,7 +21,11 @@ async def read_emergency_stop(source: Store | Transaction) -> EmergencyStop:
 
 
 class EmergencyStopRepository:
-    """The latch. Both changes are idempotent; each is told to all subscribers at once."""
+    """The latch. Both changes are idempotent; each is told to all subscribers at once.
+
+    Robots take a release only with a greater epoch than the engagement's. A record that is damaged or lost must not make
+    the epochs start over, so they also grow with the clock (ms) and past `above`, the greatest that the caller knows of.
+    """
 
     def __init__(self, store: Store, clock: Clock) -> None:
         self._store, self._clock = store, clock
@@ -30,34 +34,46 @@ class EmergencyStopRepository:
         """Released, with epoch 0, when it never was engaged."""
         return await read_emergency_stop(self._store)
 
-    async def engage(self, reason: str, actor: str) -> EmergencyStop:
+    async def engage(self, reason: str, actor: str, *, above: int = 0) -> EmergencyStop:
         """Engages it; when it is engaged already, the first reason stays."""
-        return await self._set(engaged=True, reason=reason, actor=actor)
+        return await self._set(EmergencyStop(engaged=True, by=actor, reason=reason), above)
 
-    async def release(self, actor: str) -> EmergencyStop:
-        return await self._set(engaged=False, reason="", actor=actor)
+    async def release(self, actor: str, *, above: int = 0) -> EmergencyStop:
+        return await self._set(EmergencyStop(engaged=False, by=actor), above)
 
-    async def _set(self, *, engaged: bool, reason: str, actor: str) -> EmergencyStop:
+    async def _set(self, wanted: EmergencyStop, above: int) -> EmergencyStop:
         async def work(transaction: Transaction) -> EmergencyStop:
             current = await read_emergency_stop(transaction)
-            if current.engaged == engaged:
+            same = current.engaged == wanted.engaged
+            if same and (wanted.engaged or current.epoch >= above):
                 # Told again: a subscriber that missed the first word hears this one.
                 transaction.publish(EMERGENCY_STOP, LAB_INSTANCE, current)
                 return current
             now_ns = self._clock.now_ns()
-            new = EmergencyStop(engaged=engaged, epoch=current.epoch + 1, stamp_ns=now_ns, by=actor, reason=reason)
-            transaction.publish(EMERGENCY_STOP, LAB_INSTANCE, new)
-            transaction.record(
-                Event(
-                    stamp_ns=now_ns,
-                    level=EventLevel.ERROR if engaged else EventLevel.WARNING,
-                    source=actor,
-                    kind="emergency_stop" if engaged else "emergency_stop_released",
-                    text=f"{actor} engaged the emergency stop{': ' + reason if reason else ''}"
-                    if engaged
-                    else f"{actor} released the emergency stop",
-                )
+            new = wanted.model_copy(
+                update={"epoch": newer_epoch(max(current.epoch, above), now_ns), "stamp_ns": now_ns}
             )
+            transaction.publish(EMERGENCY_STOP, LAB_INSTANCE, new)
+            transaction.record(_event(new))
             return new
 
         return await self._store.transaction((EMERGENCY_STOPS,), work)
+
+
+def newer_epoch(epoch: int, now_ns: int) -> int:
+    """An epoch greater than this one and than all that were taken before now."""
+    return max(epoch + 1, now_ns // 1_000_000)
+
+
+def _event(stop: EmergencyStop) -> Event:
+    if stop.engaged:
+        text = f"{stop.by} engaged the emergency stop{': ' + stop.reason if stop.reason else ''}"
+    else:
+        text = f"{stop.by} released the emergency stop"
+    return Event(
+        stamp_ns=stop.stamp_ns,
+        level=EventLevel.ERROR if stop.engaged else EventLevel.WARNING,
+        source=stop.by,
+        kind="emergency_stop" if stop.engaged else "emergency_stop_released",
+        text=text,
+    )

@@ -36,11 +36,11 @@ async def get_emergency_stop(_identity: Somebody, context: Ctx) -> EmergencyStop
 async def engage_emergency_stop(identity: OperatorOrRobot, engage: Engage, context: Ctx) -> EmergencyStop:
     """Every robot halts at once and stays so until a person releases the stop; it survives every restart. When it is
     engaged already, its first reason stays."""
-    return await context.emergency_stop.engage(engage.reason, identity.name)
+    return await context.emergency_stop.engage(engage.reason, identity.name, above=context.hub.feeds.epoch)
 
 
 @router.delete("", summary="Release the emergency stop", responses=refusals())
 async def release_emergency_stop(identity: Operator, release: Release, context: Ctx) -> EmergencyStop:
     """Routes that were running go on; needs `{"confirm": true}`."""
     assert release.confirm
-    return await context.emergency_stop.release(identity.name)
+    return await context.emergency_stop.release(identity.name, above=context.hub.feeds.epoch)

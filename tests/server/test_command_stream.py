@@ -75,12 +75,28 @@ def test_an_older_release_does_not_undo_a_stop() -> None:
     feeds = CommandFeeds()
     engaged = EmergencyStop(engaged=True, epoch=3, stamp_ns=30)
     assert feeds.stop(engaged)
-    assert not feeds.stop(EmergencyStop(engaged=False, epoch=2, stamp_ns=20))
+    for epoch in (2, 3):
+        assert not feeds.stop(EmergencyStop(engaged=False, epoch=epoch, stamp_ns=40))
     assert feeds.emergency_stop == engaged
-    released = EmergencyStop(engaged=False, epoch=4, stamp_ns=40)
+
+
+def test_a_clock_that_was_set_back_does_not_hide_a_release() -> None:
+    feeds = CommandFeeds()
+    feeds.stop(EmergencyStop(engaged=True, epoch=3, stamp_ns=30))
+    released = EmergencyStop(engaged=False, epoch=4, stamp_ns=10)
     assert feeds.stop(released)
-    # What engages is believed even when its stamp is old: a clock may have been set back.
-    assert feeds.stop(EmergencyStop(engaged=True, epoch=1, stamp_ns=10))
+    assert feeds.emergency_stop == released
+
+
+def test_what_engages_is_believed_once_and_epochs_never_shrink() -> None:
+    feeds = CommandFeeds()
+    feeds.stop(EmergencyStop(engaged=False, epoch=4, stamp_ns=40))
+    damaged = EmergencyStop(engaged=True, reason="damaged")
+    assert feeds.stop(damaged)
+    assert feeds.epoch == 4
+    assert not feeds.stop(damaged)
+    assert not feeds.stop(EmergencyStop(engaged=False, epoch=1))
+    assert feeds.stop(EmergencyStop(engaged=False, epoch=5))
 
 
 async def test_a_stream_stays_open_without_redis_and_goes_on_with_it(redis_server: RedisServer) -> None:
