@@ -10,11 +10,10 @@ from typing import cast
 from lab.network import LossyLink
 from lab.world import World
 from protocol.clock import Clock
-from protocol.datagram import Datagram, ReplayGuard, Sequencer, Verdict, pack, unpack
+from protocol.datagram import LAB, Datagram, ReplayGuard, Sequencer, Verdict, pack, unpack
 from protocol.errors import DecodeError
 from protocol.messages import DriveSetpoint
 
-SENDER = "lab"
 ODOMETRY_PERIOD_NS = 20_000_000
 _logger = logging.getLogger(__name__)
 
@@ -74,7 +73,7 @@ class BaseLink(asyncio.DatagramProtocol):
     def _send_odometry(self) -> None:
         for vehicle, address in self._addresses.items():
             message = self._world.odometry(vehicle)
-            datagram = Datagram(SENDER, self._sequencer.next(), self._clock.now_ns(), message)
+            datagram = Datagram(LAB, self._sequencer.next(), self._clock.now_ns(), message)
             self._outward.send((pack(datagram, self._key), address), self._clock.monotonic_s())
 
     def _take_arrived(self) -> None:
@@ -97,6 +96,8 @@ class BaseLink(asyncio.DatagramProtocol):
             return "of another kind"
         if message.vehicle not in self._world.vehicle_ids:
             return "for unknown vehicles"
+        if datagram.sender != message.vehicle:
+            return "of another sender"
         verdict = self._guard.check(datagram, self._clock.now_ns())
         if verdict is not Verdict.FRESH:
             return verdict.value.replace("_", " ")

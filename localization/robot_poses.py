@@ -9,12 +9,10 @@ from collections.abc import Iterable
 from typing import cast
 
 from protocol.clock import Clock
-from protocol.datagram import Datagram, Sequencer, pack
+from protocol.datagram import TRACKER, Datagram, Sequencer, pack
 from protocol.messages import Registration, TrackedPose
 
 _logger = logging.getLogger(__name__)
-
-SENDER = "tracker"
 
 
 class RobotPoses(asyncio.DatagramProtocol):
@@ -61,7 +59,7 @@ class RobotPoses(asyncio.DatagramProtocol):
             if address is None or not self._due(pose.vehicle):
                 continue
             now_ns = self._clock.now_ns()
-            self._transport.sendto(pack(Datagram(SENDER, self._sequencer.next(), now_ns, pose), self._key), address)
+            self._transport.sendto(pack(Datagram(TRACKER, self._sequencer.next(), now_ns, pose), self._key), address)
             self.sent += 1
 
     def close(self) -> None:

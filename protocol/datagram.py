@@ -34,6 +34,8 @@ from protocol.messages import DriveSetpoint, Odometry, Status, TrackedPose
 
 MAGIC = b"LP"
 VERSION = 1
+TRACKER, LAB = "tracker", "lab"
+"""Who sends POSE and ODOMETRY; STATUS and DRIVE bear the id of the robot that sends them."""
 MAX_PAYLOAD = 1400
 """Keeps a datagram within one Ethernet frame."""
 _HEADER = struct.Struct(">2sBBBBQQH")

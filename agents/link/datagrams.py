@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from urllib.parse import urlsplit
 
 from protocol.clock import Clock
-from protocol.datagram import Datagram, ReplayGuard, Sequencer, Verdict, pack, unpack
+from protocol.datagram import TRACKER, Datagram, ReplayGuard, Sequencer, Verdict, pack, unpack
 from protocol.errors import DecodeError
 from protocol.messages import Status, TrackedPose
 
@@ -17,7 +17,8 @@ _logger = logging.getLogger(__name__)
 
 @dataclass(slots=True)
 class DatagramCounts:
-    """What came in: poses taken, bytes that are no datagram of ours or wrongly signed, other kinds, other vehicles'."""
+    """What came in: poses taken, bytes that are no datagram of ours or wrongly signed, other kinds or of
+    another sender than the tracker, other vehicles'."""
 
     poses: int = 0
     undecodable: int = 0
@@ -25,9 +26,16 @@ class DatagramCounts:
     foreign: int = 0
     verdicts: dict[Verdict, int] = field(default_factory=dict[Verdict, int])
 
+    def __str__(self) -> str:
+        late = {verdict: count for verdict, count in self.verdicts.items() if verdict is not Verdict.FRESH}
+        ignored = {"undecodable": self.undecodable, "unexpected": self.unexpected, "foreign": self.foreign} | late
+        told = ", ".join(f"{count} {why.replace('_', ' ')}" for why, count in ignored.items() if count)
+        return f"{self.poses} poses" + (f"; ignored: {told}" if told else "")
+
 
 class RobotSocket(asyncio.DatagramProtocol):
-    """Poses of the own vehicle that are signed (where a key is configured), fresh and in order reach `on_pose`."""
+    """The tracker's poses of the own vehicle that are signed (where a key is configured), fresh and in order reach
+    `on_pose`."""
 
     def __init__(self, robot: str, key: bytes | None, clock: Clock, on_pose: Callable[[TrackedPose], object]) -> None:
         self.counts = DatagramCounts()
@@ -51,8 +59,10 @@ class RobotSocket(asyncio.DatagramProtocol):
         return int(self._transport.get_extra_info("sockname")[1])
 
     def close(self) -> None:
+        """Says in the log what came in."""
         if self._transport is not None:
             self._transport.close()
+            _logger.info("datagrams: %s", self.counts)
 
     async def send_to(self, host: str, port: int) -> None:
         """Statuses go there from now on; `address` becomes the robot's own on that way. OSError when there is no way."""
@@ -89,7 +99,7 @@ class RobotSocket(asyncio.DatagramProtocol):
             _logger.debug("dropped a datagram from %s: %s", addr, error)
             return
         pose = datagram.message
-        if not isinstance(pose, TrackedPose):
+        if not isinstance(pose, TrackedPose) or datagram.sender != TRACKER:
             self.counts.unexpected += 1
         elif pose.vehicle != self._robot:
             self.counts.foreign += 1

@@ -11,8 +11,8 @@ from agents.link.backoff import Backoff, Trouble
 from agents.link.responses import CAPACITY
 from protocol.clock import SimulatedClock, SystemClock
 from protocol.codec import decode
-from protocol.datagram import unpack
-from protocol.messages import Movement, Outcome, Reason, ReasonCode, Response, Status
+from protocol.datagram import TRACKER, Datagram, pack, unpack
+from protocol.messages import Movement, Outcome, Reason, ReasonCode, Response, Status, TrackedPose
 from tests.agents.waiting import until
 
 ROBOT = "wifibot-14"
@@ -182,6 +182,31 @@ async def test_a_status_too_long_for_a_datagram_goes_without_its_texts() -> None
     robot_socket.close()
     transport.close()
     await asyncio.sleep(0)
+
+
+def posed(clock: SimulatedClock, sequence: int, *, sender: str = TRACKER, sent_s_ago: float = 0.0) -> bytes:
+    """A POSE of the robot, captured just now whatever its envelope says."""
+    pose = TrackedPose(
+        ROBOT, clock.now_ns(), 1.0, 2.0, 0.0, 0.0, 0.0, 0.0, (1e-4, 0.0, 0.0, 1e-4, 0.0, 1e-4), ("cam0",)
+    )
+    return pack(Datagram(sender, sequence, clock.now_ns() - round(sent_s_ago * 1e9), pose))
+
+
+def test_poses_count_when_the_tracker_sent_them_just_now() -> None:
+    clock, taken = SimulatedClock(), list[TrackedPose]()
+    robot_socket = RobotSocket(ROBOT, None, clock, taken.append)
+    for data in (
+        posed(clock, 1, sent_s_ago=5.0),
+        posed(clock, 2, sent_s_ago=-5.0),
+        posed(clock, 3, sender="wifibot-15"),
+        posed(clock, 4, sender=ROBOT),
+    ):
+        robot_socket.datagram_received(data, ("127.0.0.1", 9))
+    assert taken == []
+    assert str(robot_socket.counts) == "0 poses; ignored: 2 unexpected, 1 old, 1 future"
+    robot_socket.datagram_received(posed(clock, 1), ("127.0.0.1", 9))
+    assert len(taken) == 1, "what was refused does not count as seen"
+    assert robot_socket.counts.poses == 1
 
 
 def test_the_socket_listens_where_poses_come_from() -> None:

@@ -140,13 +140,15 @@ async def test_what_is_not_a_fresh_set_point_has_no_effect(
             await drive_until(computer, 0.0, lambda: computer.odometry, "odometry")
             await asyncio.sleep(0)
             now = time.time_ns()
-            late = Datagram("late", 1, now - 5_000_000_000, DriveSetpoint(WIFIBOT, 1, 0.5, 0.0))
-            early = Datagram("early", 1, now + 5_000_000_000, DriveSetpoint(WIFIBOT, 1, 0.5, 0.0))
+            late = Datagram(WIFIBOT, 1, now - 5_000_000_000, DriveSetpoint(WIFIBOT, 1, 0.5, 0.0))
+            early = Datagram(WIFIBOT, 1, now + 5_000_000_000, DriveSetpoint(WIFIBOT, 1, 0.5, 0.0))
+            other = Datagram("wifibot-15", 1, now, DriveSetpoint(WIFIBOT, 1, 0.5, 0.0))
             wrong_kind = Datagram("odd", 1, now, Odometry(WIFIBOT, "x", 1, 0, 0, 0, 0, 0, 1))
             good = computer.drive(0.0)
             bad = {
                 "unreadable": [b"", b"LP", b"\x00" * 80, good[:-3], good + b"x"],
                 "of another kind": [pack(wrong_kind)],
+                "of another sender": [pack(other)],
                 "old": [pack(late)],
                 "future": [pack(early)],
                 "duplicate": [good],

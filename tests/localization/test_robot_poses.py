@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 import pytest
 
-from localization.robot_poses import SENDER, RobotPoses
+from localization.robot_poses import RobotPoses
 from protocol.clock import SimulatedClock
-from protocol.datagram import Datagram, unpack
+from protocol.datagram import TRACKER, Datagram, unpack
 from protocol.errors import DecodeError
 from protocol.messages import Registration, TrackedPose
 
@@ -62,7 +62,7 @@ async def test_each_robot_gets_its_own_pose(robots: list[Robot]) -> None:
         await sender.register(robot.registration())
     sender.send([pose("robot-10", 1.0), pose("robot-11", 2.0), pose("unregistered")])
     first, second = [await robot.receive() for robot in robots]
-    assert (first.sender, first.message) == (SENDER, pose("robot-10", 1.0))
+    assert (first.sender, first.message) == (TRACKER, pose("robot-10", 1.0))
     assert second.message == pose("robot-11", 2.0)
     assert second.sequence > first.sequence
     assert first.stamp_ns == clock.now_ns()
