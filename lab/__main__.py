@@ -1,16 +1,15 @@
 """`python -m lab`: the simulated lab as a process of its own (docs/architecture.md); ends within a second of SIGTERM."""
 
 import asyncio
-import contextlib
 import logging
-import signal
 
 import cv2
 
 from lab.service import LabService, PortTakenError
 from protocol.clock import SystemClock
 from protocol.errors import LabFileError
-from protocol.lab import Lab, load_lab
+from protocol.lab import load_lab
+from protocol.lifetime import run_until_signal
 from protocol.settings import Settings
 
 
@@ -26,17 +25,9 @@ def main() -> None:
         raise SystemExit(f"{settings.lab}: no camera has source 'sim' and no vehicle driver 'sim': nothing to simulate")
     cv2.setNumThreads(1)  # pictures are small and the cameras share two worker threads
     try:
-        asyncio.run(_run(lab, settings))
+        asyncio.run(run_until_signal(LabService(lab, settings, SystemClock()).run()))
     except PortTakenError as error:
         raise SystemExit(str(error)) from None
-
-
-async def _run(lab: Lab, settings: Settings) -> None:
-    task = asyncio.create_task(LabService(lab, settings, SystemClock()).run())
-    for number in (signal.SIGTERM, signal.SIGINT):
-        asyncio.get_running_loop().add_signal_handler(number, task.cancel)
-    with contextlib.suppress(asyncio.CancelledError):
-        await task
 
 
 if __name__ == "__main__":

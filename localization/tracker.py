@@ -7,7 +7,6 @@ import argparse
 import asyncio
 import contextlib
 import logging
-import signal
 from collections.abc import Sequence
 
 from localization.robot_poses import RobotPoses
@@ -17,6 +16,7 @@ from protocol.channels import DETECTIONS, EVENTS, LAB_INSTANCE, POSES, REGISTRAT
 from protocol.clock import Clock, SystemClock
 from protocol.errors import BusUnavailableError
 from protocol.lab import Lab, load_lab
+from protocol.lifetime import run_until_signal
 from protocol.messages import Event, EventLevel, FrameDetections, Registration
 from protocol.settings import Settings
 
@@ -86,12 +86,8 @@ async def serve(lab: Lab, settings: Settings, rate_hz: float, clock: Clock) -> N
     """Runs the tracker until SIGTERM or SIGINT."""
     bus = Bus.connect(settings.redis_url, clock)
     service = TrackerService(lab, bus, RobotPoses(clock, settings.udp_key, rate_hz), clock)
-    task = asyncio.create_task(service.run())
-    for number in (signal.SIGTERM, signal.SIGINT):
-        asyncio.get_running_loop().add_signal_handler(number, task.cancel)
     try:
-        with contextlib.suppress(asyncio.CancelledError):
-            await task
+        await run_until_signal(service.run())
     finally:
         await bus.close()
 

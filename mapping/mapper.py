@@ -7,7 +7,6 @@ The merging itself is in `mapping.fusion` and `mapping.stitching`; here is only 
 import asyncio
 import contextlib
 import logging
-import signal
 from typing import cast
 
 import msgspec
@@ -24,6 +23,7 @@ from protocol.clock import Clock, SystemClock
 from protocol.codec import decode
 from protocol.errors import DecodeError, LabFileError
 from protocol.lab import Lab, load_lab
+from protocol.lifetime import run_until_signal
 from protocol.messages import CameraExtrinsics, FloorRaster
 from protocol.settings import Settings
 
@@ -68,7 +68,8 @@ class Mapper:
     async def _publish(self) -> None:
         while True:
             with contextlib.suppress(TimeoutError):
-                await asyncio.wait_for(self._news.wait(), _LONGEST_S)
+                async with asyncio.timeout(_LONGEST_S):
+                    await self._news.wait()
             self._news.clear()
             now_ns = self._clock.now_ns()
             await self._bus.publish(OBSTACLES, LAB_INSTANCE, self._map.merged(now_ns).to_raster(LAB_INSTANCE, now_ns))
@@ -120,15 +121,9 @@ class Mapper:
 
 
 async def _run(lab: Lab, settings: Settings, clock: Clock) -> None:
-    loop, task = asyncio.get_running_loop(), asyncio.current_task()
-    assert task is not None
-    for number in (signal.SIGTERM, signal.SIGINT):
-        loop.add_signal_handler(number, task.cancel)
     bus = Bus.connect(settings.redis_url, clock)
     try:
-        await Mapper(lab, bus, clock).run()
-    except asyncio.CancelledError:
-        _logger.info("told to end")
+        await run_until_signal(Mapper(lab, bus, clock).run())
     finally:
         await bus.close()
 

@@ -8,10 +8,10 @@ from protocol.bus import Bus
 from protocol.clock import SystemClock
 from protocol.errors import LabFileError
 from protocol.lab import load_lab
+from protocol.lifetime import run_until_signal
 from protocol.settings import Settings
 from server.guidance.parameters import GuidanceParameters
 from server.guidance.service import GuidanceService
-from server.lifetime import run_until_signal
 
 _logger = logging.getLogger("server.guidance")
 

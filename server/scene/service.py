@@ -8,7 +8,7 @@ import viser
 from protocol.bus import Bus
 from protocol.clock import Clock
 from protocol.lab import Lab
-from server.lifetime import run_until_signal
+from protocol.lifetime import run_until_signal
 from server.scene import layer_fleet, layer_floor, layer_plan
 from server.scene.canvas import Canvas
 from server.scene.feed import Feed

@@ -7,7 +7,7 @@ from contextlib import suppress
 
 import pytest
 
-from server.lifetime import run_until_signal
+from protocol.lifetime import run_until_signal
 
 
 async def deaf() -> None:
