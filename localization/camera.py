@@ -23,7 +23,7 @@ from protocol.bus import UNAVAILABLE, SyncBus
 from protocol.channels import CAMERA_STATES, DETECTIONS, RASTERS
 from protocol.clock import Clock, SystemClock
 from protocol.codec import decode, encode
-from protocol.errors import DecodeError
+from protocol.errors import DecodeError, LabFileError
 from protocol.frames import Frame
 from protocol.lab import Lab, load_lab
 from protocol.messages import CameraExtrinsics
@@ -143,7 +143,10 @@ def main(arguments: Sequence[str] | None = None) -> None:
     given = parser.parse_args(arguments)
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(levelname)s %(message)s")
     settings = Settings.from_environment()
-    lab = load_lab(settings.lab)
+    try:
+        lab = load_lab(settings.lab)
+    except LabFileError as error:
+        raise SystemExit(str(error)) from None
     known = [camera.id for camera in lab.cameras]
     if given.camera not in known:
         raise SystemExit(f"{settings.lab} has no camera {given.camera!r}, it has {', '.join(known) or 'none'}")

@@ -14,7 +14,7 @@ from localization.tracking import DuplicateTag, Tracker
 from protocol.bus import Bus
 from protocol.channels import DETECTIONS, EVENTS, LAB_INSTANCE, POSES, REGISTRATIONS
 from protocol.clock import Clock, SystemClock
-from protocol.errors import BusUnavailableError
+from protocol.errors import BusUnavailableError, LabFileError
 from protocol.lab import Lab, load_lab
 from protocol.lifetime import run_until_signal
 from protocol.messages import Event, EventLevel, FrameDetections, Registration
@@ -102,7 +102,11 @@ def main(arguments: Sequence[str] | None = None) -> None:
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(levelname)s %(message)s")
     settings = Settings.from_environment()
     _logger.info("%s, UDP rate %s", settings, given.udp_rate_hz or "every update")
-    asyncio.run(serve(load_lab(settings.lab), settings, float(given.udp_rate_hz), SystemClock()))
+    try:
+        lab = load_lab(settings.lab)
+    except LabFileError as error:
+        raise SystemExit(str(error)) from None
+    asyncio.run(serve(lab, settings, float(given.udp_rate_hz), SystemClock()))
 
 
 if __name__ == "__main__":

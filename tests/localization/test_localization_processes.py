@@ -225,3 +225,15 @@ def test_an_unknown_camera_is_refused_with_the_known_ones(house: House) -> None:
     assert process.wait(WITHIN_S) == 1
     assert process.stderr is not None
     assert b"has no camera 'middle', it has left, right" in process.stderr.read()
+
+
+@pytest.mark.parametrize("arguments", [("localization.camera", "left"), ("localization.tracker",)])
+def test_a_lab_file_of_no_use_is_named_in_a_line_per_problem(house: House, arguments: tuple[str, ...]) -> None:
+    file = Path(house.environment["LILLIPUT_LAB"])
+    file.write_text(SMALL_LAB + "bogus: 1\nodd: 2\n")
+    process = house.start(*arguments)
+    _, said = process.communicate(timeout=WITHIN_S)
+    assert process.returncode == 1
+    lines = [line for line in said.decode().splitlines() if line.startswith(f"{file}:")]
+    assert [line.rsplit(": ", 2)[1:] for line in lines] == [["bogus", "unknown key"], ["odd", "unknown key"]]
+    assert "Traceback" not in said.decode()
