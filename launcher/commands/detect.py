@@ -2,7 +2,6 @@
 
 import argparse
 import sys
-from pathlib import Path
 from typing import Any
 
 from launcher.output import Result, print_result
@@ -10,16 +9,17 @@ from localization.images import ImageTag, UnreadableImageError, detect_image
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("images", nargs="+", type=Path, metavar="IMAGE")
+    parser.add_argument("images", nargs="+", metavar="IMAGE")
     parser.add_argument("--json", action="store_true", help="print one JSON object, the tags under figures.images")
 
 
 def run(arguments: argparse.Namespace) -> int:
     images: dict[str, list[dict[str, Any]]] = {}
     unreadable = 0
-    for path in arguments.images:
+    names: list[str] = arguments.images  # kept as they were typed: a Path would turn ./a.png into a.png
+    for name in names:
         try:
-            images[str(path)] = [_described(tag) for tag in detect_image(path)]
+            images[name] = [_described(tag) for tag in detect_image(name)]
         except UnreadableImageError as error:
             unreadable += 1
             print(f"lilliput: {error}", file=sys.stderr)
@@ -27,8 +27,8 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.json:
         print_result(Result("detect", figures), as_json=True)
     else:
-        for path, tags in images.items():
-            print(f"{path}: {len(tags)} {'tag' if len(tags) == 1 else 'tags'}")
+        for name, tags in images.items():
+            print(f"{name}: {len(tags)} {'tag' if len(tags) == 1 else 'tags'}")
             for tag in tags:
                 corners = "  ".join(f"({x:.2f}, {y:.2f})" for x, y in tag["corners"])
                 print(f"  {tag['family']} {tag['id']:>3}  margin {tag['decision_margin']:5.1f}  corners {corners}")

@@ -5,6 +5,7 @@ import re
 from pathlib import Path
 from typing import Any
 
+import cv2
 import numpy as np
 import pytest
 
@@ -15,7 +16,7 @@ APRILTAG_TO_OPENCV = [1, 0, 3, 2]
 PHOTOS = Path(__file__).resolve().parents[3] / "shared/data/apriltag"
 
 
-def detect(capsys: pytest.CaptureFixture[str], *images: Path) -> tuple[int, dict[str, Any], str]:
+def detect(capsys: pytest.CaptureFixture[str], *images: Path | str) -> tuple[int, dict[str, Any], str]:
     status = main(["detect", *map(str, images), "--json"])
     captured = capsys.readouterr()
     return status, json.loads(captured.out), captured.err
@@ -65,3 +66,16 @@ def test_what_is_no_picture_is_named_and_the_status_says_so(tmp_path: Path, caps
     assert result["figures"]["unreadable"] == 2
     assert result["figures"]["images"] == {}
     assert str(broken) in errors and str(missing) in errors
+
+
+def test_pictures_are_called_as_they_were_typed(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    cv2.imwrite("a.png", np.full((60, 80), 200, np.uint8))
+    typed = ["./a.png", "a.png", f"..//{tmp_path.name}/a.png"]
+    status, result, _ = detect(capsys, *typed)
+    assert status == 0
+    assert list(result["figures"]["images"]) == typed
+    assert main(["detect", "./a.png"]) == 0
+    assert capsys.readouterr().out == "./a.png: 0 tags\n"
