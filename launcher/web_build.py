@@ -6,10 +6,15 @@ result, so that removing the result makes it anew. Two builds at once wait for e
 
 import fcntl
 import hashlib
+import os
+import signal
 import subprocess
+import threading
 from collections.abc import Callable, Generator, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
+from types import FrameType
+from typing import NoReturn
 
 from launcher.errors import LauncherError
 from launcher.node import Node, find_node
@@ -83,20 +88,55 @@ def _install(web: Path, tell: Tell) -> Node:
 
 
 def _run_npm(node: Node, web: Path, doing: str, *arguments: str) -> None:
-    done = subprocess.run(
-        node.npm(*arguments),
-        cwd=web,
-        env=node.environment(),
+    with _signals_raise():
+        status, output = _run(node.npm(*arguments), web, node.environment())
+    if status != 0:
+        last = "\n".join(output.strip().splitlines()[-15:])
+        raise LauncherError(f"{doing} failed (`npm {' '.join(arguments)}` in web/):\n{last}")
+
+
+def _run(argv: list[str], folder: Path, environment: dict[str, str]) -> tuple[int, str]:
+    """Exit status and output. npm starts processes of its own; an interruption ends them all, hence the session."""
+    process = subprocess.Popen(
+        argv,
+        cwd=folder,
+        env=environment,
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,
         errors="replace",
-        check=False,
+        start_new_session=True,
     )
-    if done.returncode != 0:
-        last = "\n".join(done.stdout.strip().splitlines()[-15:])
-        raise LauncherError(f"{doing} failed (`npm {' '.join(arguments)}` in web/):\n{last}")
+    with process:
+        try:
+            output, _ = process.communicate()
+        except BaseException:
+            with suppress(ProcessLookupError):
+                os.killpg(process.pid, signal.SIGKILL)
+            raise
+    return process.returncode, output
+
+
+@contextmanager
+def _signals_raise() -> Generator[None]:
+    """SIGTERM and SIGHUP end the program by an exception, as SIGINT does, so that what was started is ended too."""
+    if threading.current_thread() is not threading.main_thread():
+        yield  # signals are the main thread's
+        return
+    # One that is ignored (nohup) stays ignored.
+    deadly = [number for number in (signal.SIGTERM, signal.SIGHUP) if signal.getsignal(number) == signal.SIG_DFL]
+    for number in deadly:
+        signal.signal(number, _exit)
+    try:
+        yield
+    finally:
+        for number in deadly:
+            signal.signal(number, signal.SIG_DFL)
+
+
+def _exit(number: int, _frame: FrameType | None) -> NoReturn:
+    raise SystemExit(128 + number)
 
 
 def _read(path: Path) -> str | None:

@@ -3,7 +3,11 @@
 import json
 import os
 import shutil
+import signal
 import subprocess
+import sys
+import time
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -11,6 +15,7 @@ import pytest
 from launcher import node as node_module
 from launcher.errors import LauncherError
 from launcher.node import Node, find_node
+from launcher.paths import ROOT
 from launcher.web_build import build_web, hash_sources, install_packages
 
 PACKAGE = {
@@ -30,6 +35,14 @@ appendFileSync("../builds", "x")
 rmSync("dist", {recursive: true, force: true})
 mkdirSync("dist")
 writeFileSync("dist/index.html", readFileSync("index.html"))
+"""
+
+
+ENDLESS_BUILD = """import {spawn} from "node:child_process"
+import {renameSync, writeFileSync} from "node:fs"
+const child = spawn("sleep", ["300"])
+writeFileSync("../pids.part", `${process.ppid} ${process.pid} ${child.pid}`)
+renameSync("../pids.part", "../pids")
 """
 
 
@@ -76,6 +89,38 @@ def test_a_failed_build_says_why_and_is_tried_again(web: Path) -> None:
         with pytest.raises(LauncherError, match="building the console failed") as failed:
             build_web(web, lambda line: None)
         assert "no such import" in str(failed.value)
+
+
+@pytest.mark.parametrize(
+    ("number", "status"), [(signal.SIGTERM, 128 + signal.SIGTERM), (signal.SIGINT, -signal.SIGINT)]
+)
+def test_an_interrupted_build_leaves_no_process_behind(web: Path, number: signal.Signals, status: int) -> None:
+    (web / "build.mjs").write_text(ENDLESS_BUILD)
+    program = "import sys, pathlib, launcher.web_build as w; w.build_web(pathlib.Path(sys.argv[1]), print)"
+    building = subprocess.Popen(
+        [sys.executable, "-c", program, web], cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+    )
+    pids = web.parent / "pids"
+    eventually(pids.exists, "the build began")
+    running = [int(pid) for pid in pids.read_text().split()]
+    assert all(map(alive, running))
+    building.send_signal(number)
+    assert building.wait(20) == status
+    eventually(lambda: not any(map(alive, running)), "npm, node and what they started have ended")
+
+
+def alive(pid: int) -> bool:
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except (FileNotFoundError, ProcessLookupError):
+        return False
+
+
+def eventually(condition: Callable[[], bool], what: str) -> None:
+    deadline = time.monotonic() + 60
+    while not condition():
+        assert time.monotonic() < deadline, f"not in time: {what}"
+        time.sleep(0.02)
 
 
 def test_a_build_that_leaves_nothing_is_said(web: Path) -> None:
