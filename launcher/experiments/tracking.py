@@ -11,7 +11,7 @@ from lab.rendering import CameraRenderer
 from lab.rendering.optics import Optics
 from lab.truth import true_camera_model, true_vehicle
 from lab.world import World
-from launcher.errors import UsageError
+from launcher.errors import LauncherError, UsageError
 from launcher.experiments.courses import CourseFollower, infinity, rectangle
 from launcher.experiments.tracking_score import TrackingScore
 from launcher.lab_file import add_lab_file_argument, read_lab
@@ -94,6 +94,12 @@ def run(arguments: argparse.Namespace) -> Result:
     if not any(vehicle.driver == "sim" for vehicle in lab.vehicles):
         raise UsageError(f"{path} has no simulated vehicles to track")
     score, durations_ms = measure(lab, arguments.seconds, arguments.seed)
+    if not score.has_figures:
+        raise LauncherError(
+            f"nothing was tracked in {arguments.seconds:g} s: {score.visible_tags} times a vehicle's tag was wholly in a "
+            f"camera's view and {len(score.position_errors_m)} poses came out; drive for longer, or look at the cameras' "
+            f"places and the floor tags in {path}"
+        )
     figures = {
         **score.figures(),
         "frame_median_ms": statistics.median(durations_ms),

@@ -44,9 +44,14 @@ class TrackingScore:
             self.jumps_m.append(math.hypot(error[0] - last[1][0], error[1] - last[1][1]))
         self._last[tracked.vehicle] = (tracked.cameras, error)
 
+    @property
+    def has_figures(self) -> bool:
+        """Whether anything was tracked that can be judged."""
+        return bool(self.position_errors_m and self.visible_tags)
+
     def figures(self) -> dict[str, float | int]:
         """Flat figures, units in their names. ValueError when nothing was tracked: there is nothing to report then."""
-        if not self.position_errors_m or not self.visible_tags:
+        if not self.has_figures:
             raise ValueError("no pose was tracked, or no tag was ever visible")
         position_mm = np.array(self.position_errors_m) * 1e3
         heading_deg = np.degrees(self.heading_errors_rad)

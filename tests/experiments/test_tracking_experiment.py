@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from launcher.cli import main
 from launcher.experiments.tracking import measure
 from protocol.lab import load_lab
 
@@ -29,3 +30,10 @@ def test_the_same_seed_gives_the_same_figures() -> None:
     assert first == second
     assert first != other
     assert len(first) == pytest.approx(len(other), abs=5)
+
+
+def test_nothing_tracked_is_said_in_one_sentence(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["experiment", "tracking", "--lab", str(GULLIVER), "--seconds", "0.001"]) == 1
+    said = capsys.readouterr().err
+    assert said.startswith("lilliput: nothing was tracked in 0.001 s: 0 times a vehicle's tag")
+    assert said.count("\n") == 1
