@@ -10,14 +10,15 @@ from starlette.requests import HTTPConnection
 from protocol.bus import Bus
 from protocol.clock import Clock
 from protocol.lab import Lab, VehicleSpec
+from server.auth.known_credentials import KnownCredentials
 from server.auth.passwords import Passwords
 from server.auth.throttle import LoginThrottle
 from server.configuration import Configuration
 from server.errors import NotFoundError
 from server.live.hub import LiveHub
+from server.live.latch import EmergencyStopLatch
 from server.repositories.assignments import AssignmentRepository
 from server.repositories.documents import Store
-from server.repositories.emergency_stop import EmergencyStopRepository
 from server.repositories.manual import ManualDriveRepository
 from server.repositories.plan import RouteRepository, WaypointRepository
 from server.repositories.robot_settings import RobotSettingsRepository
@@ -41,6 +42,7 @@ class Context:
     scene: httpx.AsyncClient
     passwords: Passwords
     throttle: LoginThrottle
+    known: KnownCredentials
     users: UserRepository
     tokens: TokenRepository
     sessions: SessionRepository
@@ -48,7 +50,7 @@ class Context:
     routes: RouteRepository
     assignments: AssignmentRepository
     settings: RobotSettingsRepository
-    emergency_stop: EmergencyStopRepository
+    emergency_stop: EmergencyStopLatch
     manual: ManualDriveRepository
     objects: SimulatedObjectRepository
 
@@ -76,6 +78,7 @@ class Context:
             scene=scene,
             passwords=passwords,
             throttle=LoginThrottle(clock),
+            known=KnownCredentials(clock),
             users=UserRepository(store, clock),
             tokens=TokenRepository(store, clock),
             sessions=SessionRepository(store),
@@ -83,7 +86,7 @@ class Context:
             routes=RouteRepository(store, clock),
             assignments=AssignmentRepository(store, clock),
             settings=RobotSettingsRepository(store, clock),
-            emergency_stop=EmergencyStopRepository(store, clock),
+            emergency_stop=hub.latch,
             manual=ManualDriveRepository(store, clock),
             objects=SimulatedObjectRepository(store, clock),
         )

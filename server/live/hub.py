@@ -50,11 +50,12 @@ from protocol.messages import (
 )
 from server.health import HealthInputs, health_view
 from server.live.feeds import CommandFeeds
+from server.live.latch import EmergencyStopLatch
 from server.live.reading import read_extrinsics
 from server.live.sections import Item, Sections
 from server.repositories.changes import changes
 from server.repositories.documents import Documents, Store
-from server.repositories.emergency_stop import read_emergency_stop
+from server.repositories.emergency_stop import EmergencyStopRepository, read_emergency_stop
 from server.repositories.plan import ASSIGNMENTS, ROUTES, WAYPOINTS
 from server.repositories.robot_settings import ROBOT_SETTINGS
 from server.repositories.simulated_objects import SIMULATED_OBJECTS
@@ -91,6 +92,7 @@ class LiveHub:
         self.feeds = CommandFeeds()
         self._bus, self._lab, self._clock, self._udp = bus, lab, clock, udp
         self._store = Store(bus.redis)
+        self.latch = EmergencyStopLatch(EmergencyStopRepository(self._store, clock), self.feeds, clock)
         self._started_ns = clock.now_ns()
         self._latest: dict[str, dict[str, Any]] = {channel.name: {} for channel in CHANNELS}
         self._fleet = FleetState()
@@ -121,7 +123,7 @@ class LiveHub:
 
     def parts(self) -> tuple[Callable[[], Awaitable[None]], ...]:
         """What has to run beside each other, each until cancelled; one that fails may be begun again."""
-        return self._follow_channels, self._follow_documents, self._poll, self._rebuild
+        return self._follow_channels, self._follow_documents, self._poll, self._rebuild, self.latch.run
 
     @asynccontextmanager
     async def client(self) -> AsyncGenerator["LiveClient"]:
@@ -158,8 +160,7 @@ class LiveHub:
 
     def _take(self, received: Received[Any]) -> None:
         if received.channel is EMERGENCY_STOP:
-            if self.feeds.stop(received.message):
-                self._fleet.emergency_stop = received.message
+            self.feeds.stop(received.message)
         elif received.channel is COMMANDS:
             self.feeds.command(received.message)
         elif received.channel is GUIDANCE:
@@ -236,9 +237,7 @@ class LiveHub:
             for channel in _POLLED:
                 self._latest[channel.name] = await self._bus.latest_all(channel)
             self._extrinsics = await read_extrinsics(self._bus)
-            stop = await read_emergency_stop(self._store)
-            if self.feeds.stop(stop):
-                self._fleet.emergency_stop = stop
+            if self.latch.heard(await read_emergency_stop(self._store)):
                 self._dirty.set()
             # Not everybody who writes documents announces it.
             for read in self._readers.values():
@@ -270,6 +269,7 @@ class LiveHub:
         fleet.poses, fleet.statuses = self._latest[POSES.name], self._latest[STATUSES.name]
         fleet.registrations, fleet.commands = self._latest[REGISTRATIONS.name], self._latest[COMMANDS.name]
         fleet.guidance, fleet.manual = self._latest[GUIDANCE.name], self._latest[MANUAL.name]
+        fleet.emergency_stop = self.feeds.emergency_stop or EmergencyStop(engaged=False)
         robots = [robot_view(vehicle, fleet, now_ns) for vehicle in self._lab.vehicles]
         sections.replace("robots", {view.id: Item(view, view.without_ages()) for view in robots})
         states = cast("dict[str, CameraState]", self._latest[CAMERA_STATES.name])
@@ -278,7 +278,7 @@ class LiveHub:
         sections.replace("waypoints", {name: Item(waypoint) for name, waypoint in self._waypoints.items()})
         sections.replace("routes", {name: Item(route) for name, route in self._routes.items()})
         sections.replace("objects", {name: Item(item) for name, item in self._objects.items()})
-        sections.replace_single("estop", Item(self.feeds.emergency_stop or EmergencyStop(engaged=False)))
+        sections.replace_single("estop", Item(fleet.emergency_stop))
         raster = cast("FloorRaster | None", self._latest[OBSTACLES.name].get(LAB_INSTANCE))
         if raster is not None and raster is not self._raster:
             self._raster = raster

@@ -41,6 +41,22 @@ class EmergencyStopRepository:
     async def release(self, actor: str, *, above: int = 0) -> EmergencyStop:
         return await self._set(EmergencyStop(engaged=False, by=actor), above)
 
+    async def restore(self, stop: EmergencyStop) -> None:
+        """Writes a stop that Redis did not have, unless it has something newer; a reason that it has stays."""
+
+        async def work(transaction: Transaction) -> None:
+            current = await read_emergency_stop(transaction)
+            if current.epoch >= stop.epoch:
+                return
+            kept = current.engaged and current is not _DAMAGED
+            new = current.model_copy(update={"epoch": stop.epoch}) if kept else stop
+            transaction.publish(EMERGENCY_STOP, LAB_INSTANCE, new)
+            if not kept:
+                event = _event(stop)
+                transaction.record(event.model_copy(update={"text": f"{event.text} (Redis did not have it)"}))
+
+        await self._store.transaction((EMERGENCY_STOPS,), work)
+
     async def _set(self, wanted: EmergencyStop, above: int) -> EmergencyStop:
         async def work(transaction: Transaction) -> EmergencyStop:
             current = await read_emergency_stop(transaction)

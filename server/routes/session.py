@@ -71,4 +71,5 @@ async def log_out(_identity: Somebody, request: Request, response: Response, con
     """Ends the session; its cookie is void from now on."""
     if cookie := request.cookies.get(COOKIE):
         await context.sessions.end(cookie)
+        context.known.note(cookie, None)
     response.delete_cookie(COOKIE, path="/", httponly=True, samesite="strict")

@@ -2,8 +2,10 @@
 
 import asyncio
 import json
+from collections.abc import Awaitable, Callable
 from typing import Any
 
+import pytest
 import redis
 
 from agents.safety import EmergencyStopLatch
@@ -11,7 +13,7 @@ from protocol import keys
 from protocol.clock import SystemClock
 from protocol.messages import EmergencyStop
 from tests.redis_fixture import RedisServer
-from tests.server.service import ROBOT, in_process, served, until
+from tests.server.service import PASSWORD, ROBOT, in_process, served, until
 from tests.server.streams import EventStream
 
 
@@ -138,3 +140,67 @@ async def test_another_server_with_nothing_but_the_clock_takes_greater_epochs(re
     async with in_process(redis_url) as service:
         released = await service.http("operator").request("DELETE", "/api/estop", json={"confirm": True})
         assert released.json()["epoch"] > engaged["epoch"]
+
+
+@pytest.mark.parametrize("harm", ["killed", "frozen"])
+async def test_pressed_without_redis_it_reaches_robots_at_once_and_redis_later(
+    redis_server: RedisServer, harm: str
+) -> None:
+    async with served(redis_server.url) as (service, _), EventStream(service, "robot", ROBOT) as stream:
+        session, viewer, robot = service.http(), service.http("viewer"), EmergencyStopLatch()
+        await session.post("/api/session", json={"user": "operator", "password": PASSWORD})
+        session.headers["X-Lilliput"] = "1"
+        for client in (session, viewer):
+            assert (await client.get("/api/estop")).json()["engaged"] is False
+        assert robot.update(EmergencyStop.model_validate_json((await stream.event())[1]))
+        redis_server.kill() if harm == "killed" else redis_server.pause()
+        loop = asyncio.get_running_loop()
+        began = loop.time()
+        pressing = asyncio.ensure_future(session.post("/api/estop", json={"reason": "smoke"}))
+        heard = EmergencyStop.model_validate_json((await stream.event(within_s=5))[1])
+        assert loop.time() - began < 1.5
+        assert (heard.engaged, heard.reason, heard.by) == (True, "smoke", "operator")
+        assert robot.update(heard)
+        answer = await pressing
+        assert answer.status_code == 503
+        for word in ("1 open streams", "told to stop", "written as soon as Redis is back", "do not restart it"):
+            assert word in answer.json()["detail"]
+        assert (await viewer.post("/api/estop", json={})).status_code == 403
+        stranger = service.http()
+        assert (await stranger.post("/api/estop", json={})).status_code == 401
+        assert (await stranger.post("/api/estop", json={}, headers={"Authorization": "Bearer x"})).status_code == 503
+        redis_server.start() if harm == "killed" else redis_server.resume()
+
+        async def written() -> bool:
+            return (await service.context.bus.redis.hget(keys.live("emergency_stop"), "lab") or b"").find(  # type: ignore[misc]
+                b"smoke"
+            ) > 0
+
+        await until(lambda: _without_redis_errors(written))
+        events = (await session.get("/api/events")).json()
+        assert [event["kind"] for event in events].count("emergency_stop") == 1
+        released = await session.request("DELETE", "/api/estop", json={"confirm": True})
+        assert released.status_code == 200, released.text
+        assert robot.update(EmergencyStop.model_validate(released.json()))
+        assert not robot.engaged
+
+
+async def test_a_stop_that_redis_lost_is_given_back_to_it(redis_url: str) -> None:
+    async with in_process(redis_url) as service:
+        operator, client = service.http("operator"), service.context.bus.redis
+        engaged = (await operator.post("/api/estop", json={"reason": "fire"})).json()
+        await until(lambda: service.context.hub.feeds.epoch == engaged["epoch"])
+        await client.hdel(keys.live("emergency_stop"), "lab")  # type: ignore[misc]
+
+        async def back() -> bool:
+            raw = await client.hget(keys.live("emergency_stop"), "lab")  # type: ignore[misc]
+            return raw is not None and json.loads(raw) == engaged
+
+        await until(back)
+
+
+async def _without_redis_errors(condition: Callable[[], Awaitable[bool]]) -> bool:
+    try:
+        return await condition()
+    except redis.RedisError:
+        return False

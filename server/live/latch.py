@@ -1,0 +1,98 @@
+"""The emergency stop as this server holds it: what Redis has, and beyond that a stop that Redis could not take (spec gpss,
+"Safety").
+
+Who presses it is never told to come back later: the robots' open streams hear it at once, and it is written as soon as
+Redis is back. Until then it lives in this process alone.
+"""
+
+import asyncio
+import logging
+
+from redis.exceptions import RedisError
+
+from protocol.clock import Clock
+from protocol.errors import BusUnavailableError
+from protocol.messages import EmergencyStop
+from server.errors import UnavailableError
+from server.live.feeds import CommandFeeds
+from server.repositories.emergency_stop import EmergencyStopRepository, newer_epoch
+
+_PATIENCE_S = 0.3
+"""How long Redis may take before robots are told without it."""
+_RETRY_S = 0.2
+_AWAY = (RedisError, OSError, BusUnavailableError, UnavailableError)
+_logger = logging.getLogger(__name__)
+
+
+class EmergencyStopLatch:
+    """Engages, releases and reads; `run` must be running for what is not written yet to be written."""
+
+    def __init__(self, repository: EmergencyStopRepository, feeds: CommandFeeds, clock: Clock) -> None:
+        self._repository, self._feeds, self._clock = repository, feeds, clock
+        self._unwritten = asyncio.Event()
+
+    async def get(self) -> EmergencyStop:
+        """The latch as Redis has it, or as it will be written."""
+        known = self._feeds.emergency_stop
+        return known if known is not None and self._unwritten.is_set() else await self._repository.get()
+
+    async def engage(self, reason: str, actor: str) -> EmergencyStop:
+        """Engages it; when it is engaged already, the first reason stays. UnavailableError when Redis does not take it: the
+        robots have been told then, and it will be written."""
+        writing = asyncio.ensure_future(self._repository.engage(reason, actor, above=self._feeds.epoch))
+        writing.add_done_callback(_log_failure)
+        await asyncio.wait({writing}, timeout=_PATIENCE_S)
+        if not writing.done():
+            self._tell(reason, actor)
+        try:
+            return await writing
+        except _AWAY as error:
+            self._tell(reason, actor)
+            self._unwritten.set()
+            raise UnavailableError(
+                f"Redis is out of reach. The robots on the {len(self._feeds)} open streams of this server were told to "
+                "stop at once; the stop is written as soon as Redis is back, provided that this server still runs then: "
+                "do not restart it."
+            ) from error
+
+    async def release(self, actor: str) -> EmergencyStop:
+        """Releases it for all; nothing is released while Redis is out of reach."""
+        await self._write()
+        return await self._repository.release(actor, above=self._feeds.epoch)
+
+    def heard(self, stop: EmergencyStop) -> bool:
+        """Takes what Redis says of the latch; whether it changed. When Redis has lost a stop, it is given it again."""
+        changed = self._feeds.stop(stop)
+        known = self._feeds.emergency_stop
+        if known is not None and known.engaged and not stop.engaged:
+            self._unwritten.set()
+        return changed
+
+    async def run(self) -> None:
+        """Writes what Redis could not take, until cancelled."""
+        while True:
+            await self._unwritten.wait()
+            try:
+                await self._write()
+            except _AWAY:
+                await self._clock.sleep(_RETRY_S)
+
+    async def _write(self) -> None:
+        known = self._feeds.emergency_stop
+        if self._unwritten.is_set() and known is not None and known.engaged:
+            await self._repository.restore(known)
+        self._unwritten.clear()
+
+    def _tell(self, reason: str, actor: str) -> None:
+        known = self._feeds.emergency_stop
+        if known is not None and known.engaged:
+            return
+        now_ns = self._clock.now_ns()
+        epoch = newer_epoch(self._feeds.epoch, now_ns)
+        self._feeds.stop(EmergencyStop(engaged=True, epoch=epoch, stamp_ns=now_ns, by=actor, reason=reason))
+
+
+def _log_failure(writing: "asyncio.Future[EmergencyStop]") -> None:
+    """Also when nobody waits any more for what was written."""
+    if not writing.cancelled() and (error := writing.exception()) is not None:
+        _logger.warning("the emergency stop could not be written: %s", error)
