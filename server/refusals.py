@@ -8,7 +8,7 @@ from fastapi.exceptions import RequestValidationError
 from redis.exceptions import RedisError
 from starlette.responses import JSONResponse
 
-from protocol.errors import BusUnavailableError
+from protocol.errors import BusUnavailableError, DecodeError
 from server.errors import ConflictError, InvalidError, NotFoundError, UnavailableError
 
 _logger = logging.getLogger(__name__)
@@ -23,6 +23,7 @@ def install(app: FastAPI) -> None:
     app.add_exception_handler(RequestValidationError, _not_valid)
     for kind in (RedisError, BusUnavailableError, ConnectionError):
         app.add_exception_handler(kind, _redis_away)
+    app.add_exception_handler(DecodeError, _damaged)
 
 
 async def _refused(_request: Request, error: Exception) -> JSONResponse:
@@ -51,6 +52,12 @@ async def _redis_away(request: Request, error: Exception) -> JSONResponse:
         status_code=503,
         headers={"Retry-After": "1"},
     )
+
+
+async def _damaged(request: Request, error: Exception) -> JSONResponse:
+    """The error names the record, never what is in it."""
+    _logger.error("%s %s: %s", request.method, request.url.path, error)
+    return JSONResponse({"detail": f"{error}. Nothing was changed; replace or delete it."}, status_code=503)
 
 
 def _unprocessable(items: list[dict[str, Any]]) -> JSONResponse:

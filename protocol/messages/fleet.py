@@ -220,7 +220,7 @@ class ManualDrive(Message):
     linear_mps: Finite
     angular_radps: Finite
     holder: str = Field(description="Tells one browser session or token from another.")
-    by: str = Field(description="Who that is, for people.")
+    by: str = Field(default="", description="Who that is, for people.")
     expires_ns: StampNs
 
 

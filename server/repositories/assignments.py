@@ -52,7 +52,7 @@ class AssignmentRepository:
         async def work(transaction: Transaction) -> Assignment:
             if (await read_emergency_stop(transaction)).engaged:
                 raise ConflictError("the emergency stop is engaged; release it before starting a route")
-            current = await transaction.get(ASSIGNMENTS, robot)
+            current = await transaction.find(ASSIGNMENTS, robot)
             busy = current is not None and not is_over(current)
             if busy and current is not None and current.started_by != TOURS:
                 raise ConflictError(f"{robot} has route {current.route!r} ({current.state}); stop it first")
@@ -86,7 +86,7 @@ class AssignmentRepository:
 
     async def _step(self, robot: str, actor: str, step: _Step) -> Assignment:
         async def work(transaction: Transaction) -> Assignment:
-            current = await transaction.get(ASSIGNMENTS, robot)
+            current = await transaction.find(ASSIGNMENTS, robot)
             if current is None:
                 raise NotFoundError(f"{robot} has no route")
             if current.state not in step.sources:

@@ -53,9 +53,21 @@ class Transaction:
         self._changed: set[str] = set()
 
     async def get(self, documents: Documents[M], name: str) -> M | None:
-        """The document of that id, None when there is none. DecodeError when it is damaged."""
+        """The document of that id, None when there is none. DecodeError, naming it, when it is damaged."""
         raw = cast("bytes | None", await self._pipeline.hget(documents.key, name))  # pyright: ignore[reportGeneralTypeIssues]  # typed for both clients
-        return None if raw is None else decode(documents.kind, raw)
+        return _decoded(documents, name, raw)
+
+    async def find(self, documents: Documents[M], name: str) -> M | None:
+        """As `get`, for what is about to be replaced: a damaged document, which is logged, counts as none."""
+        try:
+            return await self.get(documents, name)
+        except DecodeError as error:
+            _logger.warning("counts as absent: %s", error)
+            return None
+
+    async def exists(self, documents: Documents[Any], name: str) -> bool:
+        """Whether there is a document of that id, damaged or not."""
+        return bool(await self._pipeline.hexists(documents.key, name))  # pyright: ignore[reportGeneralTypeIssues]  # typed for both clients
 
     async def all(self, documents: Documents[M]) -> dict[str, M]:
         """All documents by id; damaged ones are left out and logged."""
@@ -103,9 +115,9 @@ class Store:
         self.redis = client
 
     async def get(self, documents: Documents[M], name: str) -> M | None:
-        """The document of that id, None when there is none. DecodeError when it is damaged."""
+        """The document of that id, None when there is none. DecodeError, naming it, when it is damaged."""
         raw = cast("bytes | None", await self.redis.hget(documents.key, name))  # pyright: ignore[reportGeneralTypeIssues]  # typed for both clients
-        return None if raw is None else decode(documents.kind, raw)
+        return _decoded(documents, name, raw)
 
     async def all(self, documents: Documents[M]) -> dict[str, M]:
         """All documents by id; damaged ones are left out and logged."""
@@ -139,3 +151,10 @@ def decode_all(documents: Documents[M], raw: dict[bytes, bytes]) -> dict[str, M]
         except DecodeError as error:
             _logger.warning("%s: %s is damaged: %s", documents.key, name.decode(errors="replace"), error)
     return decoded
+
+
+def _decoded(documents: Documents[M], name: str, raw: bytes | None) -> M | None:
+    try:
+        return None if raw is None else decode(documents.kind, raw)
+    except DecodeError as error:
+        raise DecodeError(f"the record {name} in {documents.key} is damaged: {error}") from error

@@ -28,10 +28,10 @@ class ManualDriveRepository:
 
         async def work(transaction: Transaction) -> ManualDrive:
             now_ns = self._clock.now_ns()
-            current = await transaction.get(_MANUAL, vehicle.id)
+            current = await transaction.find(_MANUAL, vehicle.id)
             held = current is not None and current.expires_ns > now_ns
             if held and current is not None and current.holder != holder:
-                raise ConflictError(f"{current.by} drives {vehicle.id} by hand")
+                raise ConflictError(f"{current.by or 'somebody'} drives {vehicle.id} by hand")
             drive = ManualDrive(
                 robot=vehicle.id,
                 linear_mps=max(-limits.speed_mps, min(limits.speed_mps, linear_mps)),
@@ -52,11 +52,11 @@ class ManualDriveRepository:
 
         async def work(transaction: Transaction) -> None:
             now_ns = self._clock.now_ns()
-            current = await transaction.get(_MANUAL, robot)
+            current = await transaction.find(_MANUAL, robot)
             if current is None or current.expires_ns <= now_ns:
                 return
             if current.holder != holder:
-                raise ConflictError(f"{current.by} drives {robot} by hand")
+                raise ConflictError(f"{current.by or 'somebody'} drives {robot} by hand")
             ended = current.model_copy(update={"linear_mps": 0.0, "angular_radps": 0.0, "expires_ns": now_ns})
             transaction.publish(MANUAL, robot, ended)
             transaction.record(self._event(actor, "manual_released", f"{actor} let go of {robot}"))

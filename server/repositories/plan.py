@@ -37,7 +37,7 @@ class WaypointRepository:
         require_in_area(self._lab, waypoint)
 
         async def work(transaction: Transaction) -> Waypoint:
-            old = await transaction.get(WAYPOINTS, waypoint.id)
+            old = await transaction.find(WAYPOINTS, waypoint.id)
             if create and old is not None:
                 raise ConflictError(f"waypoint {waypoint.id!r} exists already")
             transaction.put(WAYPOINTS, waypoint.id, waypoint)
@@ -52,7 +52,7 @@ class WaypointRepository:
         """NotFoundError when there is none, ConflictError while a route uses it."""
 
         async def work(transaction: Transaction) -> None:
-            if await transaction.get(WAYPOINTS, waypoint_id) is None:
+            if not await transaction.exists(WAYPOINTS, waypoint_id):
                 raise NotFoundError(f"there is no waypoint {waypoint_id!r}")
             routes = await transaction.all(ROUTES)
             users = sorted(r.id for r in routes.values() if any(leg.waypoint == waypoint_id for leg in r.legs))
@@ -79,7 +79,7 @@ class RouteRepository:
         or while it is being driven."""
 
         async def work(transaction: Transaction) -> Route:
-            old = await transaction.get(ROUTES, route.id)
+            old = await transaction.find(ROUTES, route.id)
             if create and old is not None:
                 raise ConflictError(f"route {route.id!r} exists already")
             waypoints = await transaction.all(WAYPOINTS)
@@ -99,7 +99,7 @@ class RouteRepository:
         """NotFoundError when there is none, ConflictError while it is being driven."""
 
         async def work(transaction: Transaction) -> None:
-            if await transaction.get(ROUTES, route_id) is None:
+            if not await transaction.exists(ROUTES, route_id):
                 raise NotFoundError(f"there is no route {route_id!r}")
             await _require_not_driven(transaction, route_id, "deleted")
             transaction.delete(ROUTES, route_id)

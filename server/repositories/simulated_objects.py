@@ -22,7 +22,7 @@ class SimulatedObjectRepository:
         """ConflictError when `create` and it exists."""
 
         async def work(transaction: Transaction) -> SimulatedObject:
-            if create and await transaction.get(SIMULATED_OBJECTS, item.id) is not None:
+            if create and await transaction.find(SIMULATED_OBJECTS, item.id) is not None:
                 raise ConflictError(f"object {item.id!r} exists already")
             transaction.put(SIMULATED_OBJECTS, item.id, item)
             text = f"{actor} put {item.kind} {item.id} at ({item.x:.3f}, {item.y:.3f})"
@@ -35,7 +35,7 @@ class SimulatedObjectRepository:
         """NotFoundError when there is none."""
 
         async def work(transaction: Transaction) -> None:
-            if await transaction.get(SIMULATED_OBJECTS, object_id) is None:
+            if not await transaction.exists(SIMULATED_OBJECTS, object_id):
                 raise NotFoundError(f"there is no object {object_id!r}")
             transaction.delete(SIMULATED_OBJECTS, object_id)
             transaction.record(self._event(actor, "object_removed", f"{actor} removed {object_id}"))

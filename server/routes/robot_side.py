@@ -9,6 +9,7 @@ from redis.exceptions import RedisError
 
 from protocol import messages
 from protocol.channels import POSES, REGISTRATIONS, RESPONSES
+from protocol.errors import DecodeError
 from protocol.messages import Event, EventLevel, Registration
 from server.access import RobotId, ThisRobot, ThisRobotOrOperator, identify
 from server.context import Ctx
@@ -42,7 +43,10 @@ async def register_robot(
 ) -> RegistrationView:
     """Tells where the robot listens: the address that this request comes from, and the port in it."""
     context.vehicle(robot_id)
-    old = await context.bus.latest(REGISTRATIONS, robot_id)
+    try:
+        old = await context.bus.latest(REGISTRATIONS, robot_id)
+    except DecodeError:
+        old = None  # a damaged one is replaced
     registration = Registration(
         robot=robot_id,
         kind=introduction.kind,

@@ -172,9 +172,8 @@ async def test_pressed_without_redis_it_reaches_robots_at_once_and_redis_later(
         redis_server.start() if harm == "killed" else redis_server.resume()
 
         async def written() -> bool:
-            return (await service.context.bus.redis.hget(keys.live("emergency_stop"), "lab") or b"").find(  # type: ignore[misc]
-                b"smoke"
-            ) > 0
+            raw = await service.context.bus.redis.hget(keys.live("emergency_stop"), "lab")  # type: ignore[misc]
+            return raw is not None and json.loads(raw)["reason"] == "smoke"
 
         await until(lambda: _without_redis_errors(written))
         events = (await session.get("/api/events")).json()
