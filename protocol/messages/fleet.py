@@ -3,7 +3,7 @@
 from enum import StrEnum
 from typing import Annotated, Self
 
-from pydantic import Field, model_validator
+from pydantic import ConfigDict, Field, model_validator
 
 from protocol.messages.base import Finite, Identifier, Message, NonNegative, Positive, StampNs
 
@@ -129,6 +129,22 @@ class Outcome(StrEnum):
 class Response(Message):
     """Robot to server: the command it answers, what was really applied, and when the target was reached (empty before)."""
 
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {
+                    "robot": "wifibot-14",
+                    "command_order": [3, 1207],
+                    "command_stamp_ns": 1_700_000_000_000_000_000,
+                    "stamp_ns": 1_700_000_000_020_000_000,
+                    "outcome": "accepted",
+                    "movement": "MoveTo",
+                    "applied_speed_mps": 0.3,
+                }
+            ]
+        }
+    )
+
     robot: Identifier
     command_order: tuple[int, int]
     command_stamp_ns: StampNs
@@ -144,6 +160,12 @@ class Waypoint(Message):
     """A place on the floor: metres in the map frame; the radius within which it counts as reached; the heading (rad) to
     leave it with if that matters."""
 
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [{"id": "charger", "area": "camp", "x": 1.0, "y": 1.0, "radius_m": 0.15, "yaw": None}]
+        }
+    )
+
     id: Identifier
     area: Identifier
     x: Finite
@@ -155,12 +177,20 @@ class Waypoint(Message):
 class Leg(Message):
     """One leg of a route: the waypoint it ends at and the speed set-point on the way there."""
 
+    model_config = ConfigDict(json_schema_extra={"examples": [{"waypoint": "charger", "speed_mps": 0.3}]})
+
     waypoint: Identifier
     speed_mps: Annotated[float, Field(gt=0, le=10, allow_inf_nan=False)] = 0.3
 
 
 class Route(Message):
     """Ordered legs, driven once or looped."""
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [{"id": "charge", "legs": [{"waypoint": "charger", "speed_mps": 0.3}], "loop": False}]
+        }
+    )
 
     id: Identifier
     legs: Annotated[tuple[Leg, ...], Field(min_length=1, max_length=1000)]
@@ -195,6 +225,12 @@ class Assignment(Message):
 
 class RobotSettings(Message):
     """What an operator may set per robot; absent fields fall back to the lab description."""
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [{"box_start_m": 0.0, "box_length_m": 0.8, "box_width_m": 0.6, "stop_at_waypoint": None}]
+        }
+    )
 
     box_start_m: NonNegative | None = None
     box_length_m: Positive | None = None

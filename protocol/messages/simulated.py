@@ -7,7 +7,7 @@ and experiments alone.
 from typing import Annotated, Literal
 
 from msgspec import Struct
-from pydantic import Field
+from pydantic import ConfigDict, Field
 
 from protocol.messages.base import Finite, Identifier, Message
 
@@ -57,6 +57,10 @@ class GroundTruth(Struct, frozen=True, forbid_unknown_fields=True):
 
 class SimulatedObject(Message):
     """A person or a pallet on the simulated floor; a person with `path` walks it back and forth at `speed_mps`."""
+
+    model_config = ConfigDict(
+        json_schema_extra={"examples": [{"id": "pallet-1", "kind": "pallet", "x": 1.0, "y": 1.0}]}
+    )
 
     id: Identifier
     kind: Literal["person", "pallet"]

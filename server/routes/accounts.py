@@ -3,7 +3,7 @@
 from typing import Annotated
 
 from fastapi import APIRouter, Path
-from pydantic import Field, model_validator
+from pydantic import ConfigDict, Field, model_validator
 
 from server import auth
 from server.access import Admin
@@ -32,6 +32,8 @@ class UserView(View):
 class NewUser(Body):
     """A user to create; without a password a random one is made."""
 
+    model_config = ConfigDict(json_schema_extra={"examples": [{"name": "eva", "role": "operator"}]})
+
     name: Annotated[str, Field(pattern=auth.USER_NAME, examples=["eva"])]
     role: Role
     password: _Password | None = None
@@ -45,6 +47,8 @@ class NewUserView(UserView):
 
 class UserChange(Body):
     """What to change of a user; their sessions end."""
+
+    model_config = ConfigDict(json_schema_extra={"examples": [{"role": "viewer"}]})
 
     role: Role | None = None
     password: _Password | None = None
@@ -64,6 +68,8 @@ class TokenView(View):
 
 class NewToken(Body):
     """A token to issue: role `robot` names its robot, the others do not."""
+
+    model_config = ConfigDict(json_schema_extra={"examples": [{"name": "night shift script", "role": "operator"}]})
 
     name: Annotated[str, Field(pattern=auth.TOKEN_NAME, examples=["night shift script"])]
     role: Role

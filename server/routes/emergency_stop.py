@@ -3,7 +3,7 @@
 from typing import Annotated, Literal
 
 from fastapi import APIRouter
-from pydantic import Field
+from pydantic import ConfigDict, Field
 
 from protocol.messages import EmergencyStop
 from server.access import Operator, Somebody, WhoeverStops
@@ -22,11 +22,15 @@ _TOLD = {
 class Engage(Body):
     """Why everything is to stop."""
 
+    model_config = ConfigDict(json_schema_extra={"examples": [{"reason": "person on the floor"}]})
+
     reason: Annotated[str, Field(max_length=200, examples=["person on the floor"])] = ""
 
 
 class Release(Body):
     """A person's word that it is safe to move again."""
+
+    model_config = ConfigDict(json_schema_extra={"examples": [{"confirm": True}]})
 
     confirm: Literal[True]
 

@@ -4,7 +4,7 @@ from typing import Annotated
 
 from fastapi import APIRouter, Request
 from fastapi.responses import StreamingResponse
-from pydantic import Field
+from pydantic import ConfigDict, Field
 from redis.exceptions import RedisError
 
 from protocol import messages
@@ -24,6 +24,10 @@ router = APIRouter(prefix="/robots/{robot_id}", tags=["robot's side"])
 
 class Introduction(Body):
     """What a robot says when it starts, and again every five seconds. `session` differs after each of its restarts."""
+
+    model_config = ConfigDict(
+        json_schema_extra={"examples": [{"kind": "wifibot", "udp_port": 40123, "session": "b1946ac9"}]}
+    )
 
     kind: Annotated[str, Field(max_length=64, examples=["wifibot"])] = ""
     udp_port: Annotated[int, Field(gt=0, lt=65536, examples=[40123], description="Where it hears POSE datagrams.")]

@@ -3,7 +3,7 @@
 from typing import Annotated
 
 from fastapi import APIRouter
-from pydantic import Field
+from pydantic import ConfigDict, Field
 
 from protocol.messages import Assignment, ManualDrive, RobotSettings
 from protocol.messages.base import Finite, Identifier
@@ -21,12 +21,16 @@ router = APIRouter(prefix="/robots", tags=["robots"])
 class Start(Body):
     """Which route to drive; `speed_scale` multiplies the speed of every leg."""
 
+    model_config = ConfigDict(json_schema_extra={"examples": [{"route": "charge", "speed_scale": 1.0}]})
+
     route: Identifier = Field(examples=["charge"])
     speed_scale: Annotated[float, Field(gt=0, le=2, allow_inf_nan=False)] = 1.0
 
 
 class Twist(Body):
     """What the hand on the stick asks for: m/s forward, rad/s to the left."""
+
+    model_config = ConfigDict(json_schema_extra={"examples": [{"linear_mps": 0.2, "angular_radps": -0.5}]})
 
     linear_mps: Finite = Field(examples=[0.2])
     angular_radps: Finite = Field(examples=[-0.5])

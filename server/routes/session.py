@@ -3,7 +3,7 @@
 from typing import Annotated
 
 from fastapi import APIRouter, HTTPException, Request, Response
-from pydantic import Field
+from pydantic import ConfigDict, Field
 
 from server.access import COOKIE, Somebody
 from server.auth.passwords import MAX_LENGTH
@@ -18,6 +18,10 @@ router = APIRouter(prefix="/session", tags=["session"])
 
 class Login(Body):
     """A user's name and password."""
+
+    model_config = ConfigDict(
+        json_schema_extra={"examples": [{"user": "admin", "password": "kodu-fami-zelo-tiva-4821"}]}
+    )
 
     user: Annotated[str, Field(max_length=64, examples=["admin"])]
     password: Annotated[str, Field(max_length=MAX_LENGTH, examples=["kodu-fami-zelo-tiva-4821"])]

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import anyio.from_thread
+import jsonschema_rs
 import pytest
 import schemathesis
 from hypothesis import HealthCheck, Phase, settings
@@ -50,6 +51,17 @@ def test_every_body_and_answer_is_typed() -> None:
         for code, answer in operation["responses"].items():
             for media, content in answer.get("content", {}).items():
                 assert content.get("schema"), f"{method} {path} {code} {media}"
+
+
+def test_every_body_has_an_example_that_it_accepts() -> None:
+    bodies = [(f"{method} {path}", op["requestBody"]) for method, path, op in OPERATIONS if "requestBody" in op]
+    assert len(bodies) > 10
+    for where, body in bodies:
+        schema = body["content"]["application/json"]["schema"]
+        examples = DOCUMENT["components"]["schemas"][schema["$ref"].rsplit("/", 1)[1]].get("examples")
+        assert examples, where
+        for example in examples:
+            jsonschema_rs.validate({**schema, "components": DOCUMENT["components"]}, example)
 
 
 def test_references_resolve() -> None:
