@@ -1,9 +1,10 @@
 """The robot's mind without its senses: commands, poses and odometry come in, twists, responses and the status come out.
 
-No I/O and no clock, so everything that decides about motion can be tested by telling it times. `agents.agent` is the shell
-around it. One round of the control loop: `add_odometry` (or `odometry_failed`), then `decide`.
+No I/O but the log and no clock, so everything that decides about motion can be tested by telling it times. `agents.agent`
+is the shell around it. One round of the control loop: `add_odometry` (or `odometry_failed`), then `decide`.
 """
 
+import logging
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -26,6 +27,7 @@ from protocol.messages import (
     TrackedPose,
 )
 
+_logger = logging.getLogger(__name__)
 _FAR_M = 1e5
 _AHEAD_NS = 500_000_000
 _FAULTS = 4
@@ -59,6 +61,7 @@ class Pilot:
         self._pose_received_s = -math.inf
         self._stopped_by: Reason | None = None
         self._obeyed: Command | None = None
+        self._ignored_release: int | None = None
 
     def command(self, command: Command, now_ns: int, now_s: float) -> Verdict:
         """A command arrived; whether it is obeyed from now on is in the verdict."""
@@ -68,7 +71,8 @@ class Pilot:
 
     def emergency_stop(self, event: EmergencyStop) -> bool:
         """Whether the robot must stop now, without waiting for the next round."""
-        self.latch.update(event)
+        if not self.latch.update(event):
+            self._tell_ignored(event)
         return self.latch.forbids() is not None
 
     def camera_pose(self, pose: TrackedPose, now_ns: int, now_s: float) -> bool:
@@ -132,7 +136,7 @@ class Pilot:
         estimate = self._estimator.estimate(now_ns)
         pose, twist = estimate.pose, self._reading.twist if self._reading and self._fault is None else STOP
         area = None if pose is None else self._lab.area_at(pose.x, pose.y)
-        obeyed = self._obeyed
+        obeyed, accepted = self._obeyed, self.gate.current
         return Status(
             robot=self._vehicle.id,
             sequence=sequence,
@@ -147,10 +151,23 @@ class Pilot:
             battery=battery,
             mode=Mode.MANUAL if obeyed is not None and obeyed.movement is Movement.DRIVE else Mode.AUTOMATIC,
             faults=tuple(fault[:_FAULT_LENGTH] for fault in faults[:_FAULTS]),
-            command_order=None if obeyed is None else obeyed.order,
+            # Accepted, obeyed now or not: a guidance that has lost its epochs learns from it what it must exceed.
+            command_order=None if accepted is None else accepted.order,
             stopped_by=self._stopped_by,
             pose_age_s=self._pose_age_s(now_ns, now_s),
             command_age_s=self.gate.age_s(now_s),
+        )
+
+    def _tell_ignored(self, release: EmergencyStop) -> None:
+        """One line per epoch: the server repeats what it says, and one overtaken on the way is no fault."""
+        if not self.latch.engaged or release.epoch == self._ignored_release:
+            return
+        self._ignored_release = release.epoch
+        _logger.warning(
+            "ignored a release of the emergency stop: its epoch %d is not greater than the engagement's, %d; "
+            "release it again, or restart this agent if the epochs have started over",
+            release.epoch,
+            self.latch.epoch,
         )
 
     def _pose_age_s(self, now_ns: int, now_s: float) -> float | None:

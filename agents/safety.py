@@ -96,6 +96,11 @@ class EmergencyStopLatch:
     def engaged(self) -> bool:
         return self._state is not None and self._state.engaged
 
+    @property
+    def epoch(self) -> int:
+        """The greatest epoch known; -1 before the first event."""
+        return -1 if self._state is None else self._state.epoch
+
     def forbids(self) -> Reason | None:
         """Why the latch keeps the robot still; None when it is known to be released."""
         if self._state is None:

@@ -218,6 +218,33 @@ def test_an_older_guidance_is_refused_once() -> None:
     assert drive.plant.twist == STOP
 
 
+def test_the_status_tells_the_newest_command_accepted_though_it_is_not_obeyed() -> None:
+    drive = Drive()
+    drive.orders = Orders(ROBOT, epoch=217_000_000)
+    drive.run(0.5, drive.orders.waiting)
+    drive.pilot.emergency_stop(EmergencyStop(engaged=True, epoch=1))
+    drive.run(0.5, None)
+    lost = Orders(ROBOT, epoch=1)
+    drive.run(1.0, lost.waiting)
+    status = drive.status()
+    assert status.stopped_by is not None
+    assert status.command_order is not None and status.command_order[0] == 217_000_000
+
+
+def test_a_release_that_is_ignored_is_told_once(caplog: pytest.LogCaptureFixture) -> None:
+    drive = Drive()
+    for epoch, engaged in ((5, True), (5, False), (3, False), (3, False)):
+        drive.pilot.emergency_stop(EmergencyStop(engaged=engaged, epoch=epoch))
+    assert drive.pilot.latch.engaged
+    warnings = [record.getMessage() for record in caplog.records]
+    assert len(warnings) == 2
+    assert "its epoch 3 is not greater than the engagement's, 5" in warnings[1]
+    drive.pilot.emergency_stop(EmergencyStop(engaged=False, epoch=6))
+    drive.pilot.emergency_stop(EmergencyStop(engaged=False, epoch=6))
+    assert not drive.pilot.latch.engaged
+    assert len(caplog.records) == 2
+
+
 def test_late_commands_are_refused_once_in_a_row() -> None:
     drive = Drive()
     drive.run(2.0, lambda now_ns: drive.orders.move_to(now_ns - 800_000_000, 5.0, 1.0))
