@@ -1,6 +1,6 @@
 """The obstacle box (spec gpss, "The operator's side"): the floor that must be free for a robot to drive on.
 
-It is a band of the operator's width swept along the planned path. Its far end is
+It is a band of the operator's width, though never narrower than the robot, swept along the planned path. Its far end is
 
     reach = max(start + length, front + clearance + v t + v^2 / (2 a))
 
@@ -104,8 +104,8 @@ def obstacle_box(
     line = _part(whole, 0.0, reach + size.width_m)
     start = min(size.start_m, end)
     parts = [
-        _swept(line, start, end, size.width_m / 2),
-        _swept(line, 0.0, start, min(body.half_width_m, size.width_m / 2)),
+        _swept(line, start, end, max(body.half_width_m, size.width_m / 2)),
+        _swept(line, 0.0, start, body.half_width_m),
     ]
     if present_mps > _MOVING_MPS:
         stopping = present_mps * parameters.reaction_s + present_mps**2 / (2 * spec.limits.braking_mps2)

@@ -5,9 +5,11 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
 import shapely
-from shapely.geometry import Point, Polygon
+from shapely.geometry import LineString, Point, Polygon
 from shapely.geometry.base import BaseGeometry
+from shapely.ops import substring
 
 from geometry import SE2
 from protocol.lab import Area, VehicleSpec
@@ -22,7 +24,12 @@ from protocol.messages import (
     TrackedPose,
 )
 from server.guidance.parameters import GuidanceParameters
+from server.guidance.path import Point as PathPoint
+from server.guidance.path import without_repeats
 from server.guidance.snapshot import Snapshot, extrapolated
+
+_SEAM_M = 0.02
+"""A path along a border, or over a seam between two areas that were measured apart, does not leave them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,10 +58,26 @@ class Ground:
 
     def __init__(self, areas: Sequence[Area]) -> None:
         self.area: BaseGeometry = shapely.union_all([Polygon(area.outline) for area in areas])
+        self._tolerant = self.area.buffer(_SEAM_M, join_style="mitre")
         shapely.prepare(self.area)
+        shapely.prepare(self._tolerant)
 
     def contains(self, x: float, y: float) -> bool:
         return bool(self.area.covers(Point(x, y)))
+
+    def leaving(self, path: Sequence[PathPoint], within_m: float = math.inf) -> PathPoint | None:
+        """Where the path first leaves every area, within so many metres along it; None when it does not."""
+        points = without_repeats(path)
+        if len(points) < 2:
+            return None
+        whole = LineString(points)
+        line = substring(whole, 0.0, min(within_m, whole.length))
+        if self._tolerant.covers(line):
+            return None
+        outside = shapely.get_coordinates(line.difference(self._tolerant))
+        along = np.asarray(shapely.line_locate_point(whole, shapely.points(outside)))
+        first = outside[int(np.argmin(along))]
+        return float(first[0]), float(first[1])
 
     def distance(self, x: float, y: float) -> float:
         """Metres to the nearest point of an area, 0 inside."""
@@ -74,14 +97,15 @@ def by_hand(
     hand: ManualDrive, pose: TrackedPose | None, age_s: float, spec: VehicleSpec, ground: Ground, p: GuidanceParameters
 ) -> Decision:
     """The hand's twist within the vehicle's limits. Obstacles are the hand's business, the border of the area is not: a
-    robot inside stops before it, one outside may only come nearer. A robot that no camera sees is held to a crawl."""
+    robot inside stops before it, one outside may only come nearer. A robot that no camera sees is not driven at all: it
+    would refuse (its own dead-man's switch wants a pose), and nobody could keep it from people and walls."""
+    if pose is None:
+        return wait(ReasonCode.POSE_STALE, f"{hand.by} cannot drive it by hand: no camera sees it")
     limits = spec.limits
     linear = _clip(hand.linear_mps, limits.speed_mps)
     angular = _clip(hand.angular_radps, limits.yaw_rate_radps)
     text = f"driven by {hand.by}"
-    if pose is None:
-        linear, text = _clip(linear, p.manual_blind_mps), f"{text}, slowly: no camera sees the robot"
-    elif linear and not _may_go(extrapolated(pose, age_s), linear, spec, ground, p):
+    if linear and not _may_go(extrapolated(pose, age_s), linear, spec, ground, p):
         linear, text = 0.0, f"{text}, held at the border of the area"
     return Decision(Movement.DRIVE, Reason(code=ReasonCode.MANUAL, text=text), linear_mps=linear, angular_radps=angular)
 

@@ -27,7 +27,7 @@ class Guidance:
         ground = Ground(lab.areas)
         self._robots = {name: RobotGuidance(spec, ground, self._parameters) for name, spec in self._vehicles.items()}
         self._sequence = 0
-        self._told: dict[str, tuple[ReasonCode, str | None]] = {}
+        self._told: dict[str, tuple[ReasonCode, str | None, bool]] = {}
         self._deadlocks = DeadlockWatch(self._parameters.deadlock_s)
         self._progress = ProgressWatch(self._parameters.no_progress_s)
 
@@ -73,10 +73,10 @@ class Guidance:
 
     def _told_of(self, robot: str, view: View, snapshot: Snapshot) -> list[Event]:
         """An event when a robot's reason, or the robot that it waits for, changed; nothing about what was so at the start."""
-        other = (
-            view.blockage.robot if view.blockage is not None and view.decision.movement is Movement.WAITING else None
-        )
-        reason = (view.decision.reason.code, other)
+        waiting = view.decision.movement is Movement.WAITING
+        other = view.blockage.robot if view.blockage is not None and waiting else None
+        # A hand that drives and a hand that was lost have the same code.
+        reason = (view.decision.reason.code, other, waiting)
         before = self._told.get(robot)
         self._told[robot] = reason
         if before is None or before == reason:

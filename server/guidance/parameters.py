@@ -25,6 +25,7 @@ class GuidanceParameters:
     - `clear_for_s`: how long a box must have been clear before the robot drives on.
     - `unseen_share`: the share of a box that no camera sees at which the robot waits. Well below what a lost camera hides,
       above the part of the floor that the robot itself hides from a camera aside (its roof's parallax).
+    - `manual_lost_hold_s`: how long a robot on a route waits after the hand on its stick was lost instead of letting go.
     - `forget_robot_s`: a robot not seen for longer stands for nothing any more (the cameras then show it as an obstacle).
     """
 
@@ -44,7 +45,7 @@ class GuidanceParameters:
     forget_robot_s: float = 10.0
     no_progress_s: float = 20.0
     deadlock_s: float = 2.0
-    manual_blind_mps: float = 0.2
+    manual_lost_hold_s: float = 3.0
 
     def __post_init__(self) -> None:
         if not self.look_ahead_m > CONTROLLER_LOCK_M:

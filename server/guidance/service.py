@@ -59,7 +59,7 @@ class GuidanceService:
         snapshot = await self._store.snapshot()
         if newer_epochs(obeyed_epochs(snapshot), self._epoch):
             # Redis lost the newest epoch (a power cut): robots would refuse every command.
-            _logger.warning("robots obey a newer epoch than %d; taking a new one", self._epoch)
+            _logger.warning("robots know a newer epoch than %d; taking a new one", self._epoch)
             await self._store.release(self._epoch)
             self._epoch = None
             return 0.0

@@ -69,6 +69,13 @@ class Snapshot:
         left_s = (manual.expires_ns - self.now_ns) / 1e9
         return manual if 0 < left_s <= LONGEST_MANUAL_LEASE_S else None
 
+    def former_hand(self, robot: str, within_s: float) -> ManualDrive | None:
+        """The hand whose lease ended at most `within_s` ago, let go of or lost."""
+        manual = self.manual.get(robot)
+        if manual is None:
+            return None
+        return manual if 0 <= self.now_ns - manual.expires_ns < within_s * 1e9 else None
+
 
 @dataclass(frozen=True, slots=True)
 class AssignmentChange:

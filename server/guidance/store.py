@@ -36,18 +36,20 @@ _logger = logging.getLogger(__name__)
 
 LEASE_S = 1.0
 _STREAM_LENGTH = 10_000
+_EPOCHS_BEGIN_S = 1_577_836_800
+"""2020-01-01, from which the seconds are counted that are the least of a new epoch."""
+_HIGHEST_CLAIM = 2**32
 _HIGHEST_JUMP = 1000
-"""An epoch that somebody claims to be further ahead than this is taken for nonsense."""
+"""An epoch that somebody claims is taken for nonsense when it is further ahead than this and no clock of the next hundred
+years yields it. Clocks differ, and one that starts in 1970 must still believe the robots."""
 
 _ACQUIRE = """
 if redis.call('EXISTS', KEYS[1]) == 1 then return false end
-local epoch = redis.call('INCR', KEYS[2])
-local floor = tonumber(ARGV[2])
-if floor >= epoch then
-  epoch = floor + 1
-  redis.call('SET', KEYS[2], string.format('%d', epoch))
-end
-redis.call('SET', KEYS[1], string.format('%d', epoch), 'PX', ARGV[1])
+local counter = tonumber(redis.call('GET', KEYS[2]) or '0') or 0
+local epoch = math.max(counter, tonumber(ARGV[2])) + 1
+epoch = math.max(epoch, tonumber(ARGV[3]))
+redis.call('SET', KEYS[2], string.format('%.0f', epoch))
+redis.call('SET', KEYS[1], string.format('%.0f', epoch), 'PX', ARGV[1])
 return epoch
 """
 _RELEASE = "if redis.call('GET', KEYS[1]) == ARGV[1] then return redis.call('DEL', KEYS[1]) end return 0"
@@ -89,8 +91,12 @@ class GuidanceStore:
 
     async def acquire(self, above: int) -> int | None:
         """Becomes the active guidance: the new epoch, greater than every earlier one and than `above`; None while another
-        one is active."""
-        got = await self._acquire(keys=[keys.GUIDANCE_LEASE, keys.GUIDANCE_EPOCH], args=[round(LEASE_S * 1000), above])
+        one is active. It is no less than the seconds since 2020 either, so that epochs grow also when Redis has lost all
+        that it knew of them."""
+        seconds = max(0, self._clock.now_ns() // 1_000_000_000 - _EPOCHS_BEGIN_S)
+        got = await self._acquire(
+            keys=[keys.GUIDANCE_LEASE, keys.GUIDANCE_EPOCH], args=[round(LEASE_S * 1000), above, seconds]
+        )
         return None if got is None else int(cast("int", got))
 
     async def release(self, epoch: int) -> None:
@@ -174,10 +180,10 @@ class GuidanceStore:
 
 
 def obeyed_epochs(snapshot: Snapshot) -> list[int]:
-    """The epochs of the commands that robots say they obey."""
+    """The epochs of the newest commands that robots say they accepted."""
     return [status.command_order[0] for status in snapshot.statuses.values() if status.command_order is not None]
 
 
 def newer_epochs(epochs: Iterable[int], than: int) -> list[int]:
     """Those that are newer, and not so much newer that they cannot be."""
-    return [epoch for epoch in epochs if than < epoch <= than + _HIGHEST_JUMP]
+    return [epoch for epoch in epochs if than < epoch <= max(_HIGHEST_CLAIM, than + _HIGHEST_JUMP)]

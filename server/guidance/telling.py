@@ -32,7 +32,8 @@ def reason_event(robot: str, decision: Decision, now_ns: int) -> Event:
     """That a robot now does something else, and why."""
     code, text = decision.reason.code, decision.reason.text
     kind = _KINDS[decision.movement]
-    level = EventLevel.INFO if code in _CALM else EventLevel.WARNING
+    lost = code is ReasonCode.MANUAL and decision.movement is Movement.WAITING
+    level = EventLevel.INFO if code in _CALM and not lost else EventLevel.WARNING
     if code is ReasonCode.ROUTE_DONE:
         kind = "route_done"
     elif code is ReasonCode.WAYPOINT_MISSING:

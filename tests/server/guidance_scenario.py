@@ -137,10 +137,12 @@ class Simulation:
     """Robots and guidance in a closed loop: poses at 15 Hz, 70 ms old when they arrive; commands at 10 Hz, 40 ms on the way;
     an obstacle on the raster 200 ms after it came."""
 
-    def __init__(self, course: Course, robots: Sequence[Robot], parameters: GuidanceParameters | None = None) -> None:
+    def __init__(
+        self, course: Course, robots: Sequence[Robot], parameters: GuidanceParameters | None = None, lab: Lab = LAB
+    ) -> None:
         self.course, self.robots = course, {robot.id: robot for robot in robots}
-        self.parameters = parameters
-        self.guidance = Guidance(LAB, parameters)
+        self.parameters, self.lab = parameters, lab
+        self.guidance = Guidance(lab, parameters)
         self.assignments = {robot.id: assignment(robot.id) for robot in robots}
         self.settings: dict[str, RobotSettings] = {}
         self.pallets: list[list[tuple[float, float]]] = []
@@ -163,7 +165,7 @@ class Simulation:
 
     def restart_guidance(self) -> None:
         """Another process takes over: nothing is remembered but what is durable."""
-        self.guidance = Guidance(LAB, self.parameters)
+        self.guidance = Guidance(self.lab, self.parameters)
 
     def run(self, seconds: float) -> None:
         for _ in range(round(seconds / 0.01)):

@@ -76,6 +76,13 @@ def test_operators_settings_go_over_the_lab_description() -> None:
     assert box_size(SPEC, None).length_m == SPEC.obstacle_box.length_m
 
 
+def test_the_box_is_never_narrower_than_the_robot() -> None:
+    thin = BoxSize(0.2, 0.6, 0.02, stop_at_waypoint=False)
+    box = box_of((1.0, 1.0), (5.0, 1.0), size=thin, speed=0.3)
+    assert box.area.bounds[1::2] == pytest.approx((0.84, 1.16))
+    assert blockage_of(box, [square(1.6, 1.25, side=0.3)]) is not None
+
+
 coordinate = st.floats(-5, 5).map(lambda value: round(value, 3))
 way = st.lists(st.tuples(coordinate, coordinate), min_size=1, max_size=6)
 

@@ -11,9 +11,11 @@ from msgspec import structs
 
 from protocol.lab import VehicleSpec
 from protocol.messages import (
+    Assignment,
     AssignmentState,
     Command,
     EmergencyStop,
+    EventLevel,
     ManualDrive,
     Movement,
     ReasonCode,
@@ -62,6 +64,19 @@ def hand(linear: float = 0.3, angular: float = 0.0, lease_s: float = 0.5) -> dic
             robot=ROBOT, linear_mps=linear, angular_radps=angular, holder="anna", by="anna", expires_ns=expires
         )
     }
+
+
+def later(snapshot: Snapshot, seconds: float) -> Snapshot:
+    """The same, seen and heard anew so much later."""
+    now_ns = snapshot.now_ns + round(seconds * SECOND)
+    return replace(
+        snapshot,
+        now_ns=now_ns,
+        now_s=snapshot.now_s + seconds,
+        poses={name: structs.replace(pose, stamp_ns=now_ns) for name, pose in snapshot.poses.items()},
+        statuses={name: status(name, now_ns) for name in snapshot.statuses},
+        obstacles=raster(stamp_ns=now_ns),
+    )
 
 
 def command(snapshot: Snapshot) -> Command:
@@ -169,7 +184,9 @@ def test_the_speed_is_the_legs_scaled_within_the_vehicles_limit() -> None:
             id="stopped",
         ),
         pytest.param({"manual": hand()}, Movement.DRIVE, ReasonCode.MANUAL, id="hand over route"),
-        pytest.param({"manual": hand(lease_s=-0.1)}, Movement.MOVE_TO, ReasonCode.ROUTE, id="lease over"),
+        pytest.param({"manual": hand(lease_s=-0.1)}, Movement.WAITING, ReasonCode.MANUAL, id="hand just lost"),
+        pytest.param({"manual": hand(lease_s=-3.1)}, Movement.MOVE_TO, ReasonCode.ROUTE, id="lease over"),
+        pytest.param({"manual": hand(0.0, lease_s=-0.1)}, Movement.MOVE_TO, ReasonCode.ROUTE, id="let go"),
         pytest.param({"manual": hand(lease_s=3600.0)}, Movement.MOVE_TO, ReasonCode.ROUTE, id="lease that cannot be"),
     ],
 )
@@ -255,9 +272,38 @@ class TestHand:
         assert self.drive(-0.5, 9.0).linear_mps == -0.5
         assert self.drive(0.5, 8.2, angular=0.4).angular_radps == 0.4
 
-    def test_a_robot_that_nobody_sees_only_crawls(self) -> None:
-        said = command(driving(manual=hand(0.8), poses={}))
-        assert (said.movement, said.linear_mps) == (Movement.DRIVE, 0.2)
+    @pytest.mark.parametrize("assignments", [{}, {ROBOT: assignment()}])
+    def test_a_robot_that_nobody_sees_is_not_driven_and_says_why(self, assignments: dict[str, Assignment]) -> None:
+        said = command(driving(manual=hand(0.8), poses={}, assignments=assignments))
+        assert (said.movement, said.reason.code) == (Movement.WAITING, ReasonCode.POSE_STALE)
+        assert said.reason.text == "anna cannot drive it by hand: no camera sees it"
+
+    @pytest.mark.parametrize("linear", [0.3, 0.0])
+    def test_a_hand_that_is_lost_keeps_the_route_from_going_on_at_once(self, linear: float) -> None:
+        guidance = Guidance(LAB)
+
+        def after(seconds: float) -> Outcome:
+            return guidance.cycle(later(driving(manual=hand(linear)), seconds), 1)
+
+        assert after(0.0).commands[ROBOT].movement is Movement.DRIVE
+        assert after(0.4).commands[ROBOT].movement is Movement.DRIVE
+        lost = after(0.6)
+        assert lost.commands[ROBOT].movement is Movement.WAITING
+        assert lost.commands[ROBOT].reason.code is ReasonCode.MANUAL
+        assert [(event.kind, event.level) for event in lost.events] == [("robot_waiting", EventLevel.WARNING)]
+        assert "the hand of anna was lost" in lost.events[0].text
+        assert after(3.4).commands[ROBOT].movement is Movement.WAITING
+        again = after(3.6)
+        assert again.commands[ROBOT].movement is Movement.MOVE_TO
+        assert [event.kind for event in again.events] == ["robot_driving"]
+
+    @pytest.mark.parametrize("linear", [0.3, 0.0])
+    def test_a_hand_that_lets_go_hands_back_at_once(self, linear: float) -> None:
+        guidance = Guidance(LAB)
+        held = driving(manual=hand(linear))
+        assert guidance.cycle(held, 1).commands[ROBOT].movement is Movement.DRIVE
+        released = later(driving(manual=hand(0.0, lease_s=0.2)), 0.2)
+        assert guidance.cycle(released, 1).commands[ROBOT].movement is Movement.MOVE_TO
 
     def test_obstacles_are_its_own_business(self) -> None:
         assert verdict(driving(manual=hand(), obstacles=raster([square(1.6, 1.0)])))[0] is Movement.DRIVE
