@@ -47,14 +47,6 @@ class SE3:
         )
 
     @classmethod
-    def from_matrix(cls, matrix: ArrayLike) -> Self:
-        """From a homogeneous matrix (4, 4)."""
-        array = np.asarray(matrix, dtype=np.float64)
-        if array.shape != (4, 4):
-            raise ValueError(f"a homogeneous matrix has shape (4, 4), got {array.shape}")
-        return cls(array[:3, :3], array[:3, 3])
-
-    @classmethod
     def from_se2(cls, pose: SE2, z: float = 0.0) -> Self:
         """A planar pose lifted to height `z` (metres)."""
         rotation = np.eye(3)

@@ -20,12 +20,10 @@ class LossyLink(Generic[T]):
         self._rng = np.random.default_rng(seed)
         self._waiting: list[tuple[float, int, T]] = []
         self._order = itertools.count()
-        self.lost = 0
 
     def send(self, item: T, now_s: float) -> None:
         n = self._network
         if n.loss > 0 and self._rng.random() < n.loss:
-            self.lost += 1
             return
         copies = 2 if n.duplication > 0 and self._rng.random() < n.duplication else 1
         for _ in range(copies):

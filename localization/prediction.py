@@ -1,4 +1,5 @@
-"""Where a tracked vehicle is at another time than its pose says: constant speed and turn rate, for at most half a second."""
+"""Where a tracked vehicle is at another time than its pose says: constant speed and turn rate. How old
+a pose may be is its user's to say; `is_fresh` is the limit for looking for a tag."""
 
 from geometry import SE2
 from protocol.lab import Limits

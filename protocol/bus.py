@@ -92,6 +92,7 @@ class SyncBus:
         return _decoded(channel, raw)
 
     def close(self) -> None:
+        _tell_dropped(self.dropped)
         self.redis.close()
 
 
@@ -205,7 +206,13 @@ class Bus:
                 delay_s = min(_LAST_RETRY_S, delay_s * 2)
 
     async def close(self) -> None:
+        _tell_dropped(self.dropped)
         await self.redis.aclose()
+
+
+def _tell_dropped(count: int) -> None:
+    if count:
+        _logger.info("%d messages were dropped while Redis was out of reach", count)
 
 
 def _received(channel: Channel[M], instance: str, data: bytes) -> Received[M] | None:

@@ -36,7 +36,6 @@ class CommandStream:
         on_emergency_stop: Callable[[EmergencyStop], None],
     ) -> None:
         self.trouble = Trouble(_logger, "commands")
-        self.undecodable = 0
         self._client = client
         self._path = f"/api/robots/{robot}/commands"
         self._clock = clock
@@ -78,5 +77,4 @@ class CommandStream:
             elif event.event == "command":
                 self._on_command(decode(Command, event.data))
         except DecodeError as error:
-            self.undecodable += 1
             _logger.warning("ignored an event of the command stream: %s", error)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from geometry import SE2
 from localization.floor.view import FloorView
+from localization.prediction import pose_at
 from protocol.lab import VehicleSpec
 from protocol.messages import TrackedPose
 
@@ -27,12 +28,6 @@ _SUBPIXEL_BITS = 4
 _STANDING_MPS = 0.05
 _FEWEST_TAG_SAMPLES = 9
 _SAME_SHARE = 0.85
-
-
-def pose_at(pose: TrackedPose, stamp_ns: int) -> SE2:
-    """The pose extrapolated to a capture time with its velocities (m/s, rad/s)."""
-    age_s = (stamp_ns - pose.stamp_ns) * 1e-9
-    return SE2(pose.x + pose.vx * age_s, pose.y + pose.vy * age_s, pose.yaw + pose.yaw_rate * age_s)
 
 
 def hull_on_floor(vehicle: VehicleSpec, pose: SE2, eye: NDArray[np.float64]) -> NDArray[np.float64]:

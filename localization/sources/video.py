@@ -14,7 +14,6 @@ from protocol.lab import CameraSpec
 _OPEN_TIMEOUT_MS = 5000
 _READ_TIMEOUT_MS = 3000
 """The network backend would otherwise wait half a minute for a camera that was unplugged."""
-_NS_PER_MS = 1_000_000
 
 
 class DeviceCapture:
