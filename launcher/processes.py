@@ -19,9 +19,9 @@ Restart = Literal["always", "never"]
 
 @dataclass(frozen=True, slots=True)
 class ProcessKind:
-    """A row of the table. `argv` is what follows the Python interpreter; `{id}` stands for the instance's id. `instances`
-    gives the ids of a lab's instances, an id of "" meaning the only one. `needs_token`: gets an API token. `starts_first`:
-    the others connect to it, so they are started a little later."""
+    """A row of the table. `argv` is what follows the Python interpreter; `{id}` stands for the instance's id. `runs` says
+    for people when a lab has it, `instances` gives the ids of a lab's instances, an id of "" meaning the only one.
+    `needs_token`: gets an API token. `starts_first`: the others connect to it, so they are started a little later."""
 
     name: str
     argv: tuple[str, ...]

@@ -15,7 +15,7 @@ from launcher.errors import UsageError
 from launcher.lab_file import add_lab_arguments, read_lab, state_folder
 from launcher.output import progress
 from launcher.paths import ROOT
-from launcher.processes import REDIS, SERVER, ProcessInstance, expand, select
+from launcher.processes import PROCESSES, REDIS, SERVER, ProcessInstance, expand, select
 from launcher.redis_server import find_redis_server, prepare_folders, redis_argv, wait_for_redis
 from launcher.state_folder import udp_key
 from protocol.clock import SystemClock
@@ -24,6 +24,10 @@ REDIS_START_S = 60.0
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    parser.epilog = "processes and when a lab has them:\n" + "\n".join(
+        f"  {kind.name + ('-ID' if '{id}' in kind.argv else ''):<12}{kind.runs}" for kind in PROCESSES
+    )
     parser.add_argument("process", metavar="PROCESS", help="a name of the process table, e.g. server or camera-cam0")
     add_lab_arguments(parser)
 

@@ -15,6 +15,7 @@ from launcher.commands.test import from_root, names_tests
 from launcher.errors import LauncherError, UsageError
 from launcher.output import Result, project_version
 from launcher.paths import ROOT
+from launcher.processes import PROCESSES
 from launcher.registry import COMMANDS, Command
 
 
@@ -103,6 +104,13 @@ sys.exit(any(name in sys.modules for name in ("cv2", "numpy", "redis", "launcher
 def test_every_command_explains_itself(name: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main([name, "--help"]) == 0
     assert name in capsys.readouterr().out
+
+
+def test_the_help_of_run_lists_the_processes_and_when_there_is_one(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", "--help"]) == 0
+    shown = [line.split(maxsplit=1) for line in capsys.readouterr().out.partition("processes and when")[2].splitlines()]
+    assert ["camera-ID", "one per camera"] in shown
+    assert len(shown) == 1 + len(PROCESSES)
 
 
 def test_the_rest_reaches_a_command_unparsed(command: ModuleType) -> None:
