@@ -69,10 +69,8 @@ async def _whoever_stops(
     await asyncio.wait({asking}, timeout=_PATIENCE_S)
     if asking.done() and not isinstance(asking.exception(), RedisError | OSError):
         return _operator_or_robot(asking.result())
-    by_token = "authorization" in request.headers
-    secret = (bearer.credentials if bearer is not None else None) if by_token else cookie
-    known = context.known.find(secret) if secret else None
-    if known is None or (not by_token and request.headers.get(_HEADER) != "1"):
+    known = identify_by_memory(request, context)
+    if known is None or ("authorization" not in request.headers and request.headers.get(_HEADER) != "1"):
         return _operator_or_robot(await asking)
     asking.add_done_callback(lambda done: done.cancelled() or done.exception())  # heard, so that it is not warned of
     return _operator_or_robot(known)
@@ -118,6 +116,13 @@ async def identify(connection: HTTPConnection, context: Context) -> Identity | N
     if scheme:
         return await _by_token(context, token) if scheme.lower() == "bearer" else None
     return await _by_cookie(context, connection.cookies.get(COOKIE))
+
+
+def identify_by_memory(connection: HTTPConnection, context: Context) -> Identity | None:
+    """As `identify` answered lately, without Redis."""
+    scheme, _, token = connection.headers.get("authorization", "").partition(" ")
+    secret = (token if scheme.lower() == "bearer" else None) if scheme else connection.cookies.get(COOKIE)
+    return context.known.find(secret) if secret else None
 
 
 def same_origin(connection: HTTPConnection) -> bool:

@@ -67,6 +67,16 @@ class RedisView(View):
     since_ns: int | None = Field(description="Since when it does not.")
 
 
+class HealthSummary(View):
+    """What everybody may know of the health: how bad it is, not what."""
+
+    state: Literal["ok", "warning", "error"]
+    stamp_ns: int
+    redis_reachable: bool
+    errors: int
+    warnings: int
+
+
 class HealthView(View):
     """The health of the whole: `error` when something is missing that robots need, `warning` when less."""
 
@@ -78,3 +88,14 @@ class HealthView(View):
     processes: tuple[ProcessState, ...]
     udp: UdpView
     problems: tuple[ProblemView, ...]
+
+    def summary(self) -> HealthSummary:
+        """The part of it for those who have not logged in."""
+        severities = [problem.severity for problem in self.problems]
+        return HealthSummary(
+            state=self.state,
+            stamp_ns=self.stamp_ns,
+            redis_reachable=self.redis.reachable,
+            errors=severities.count("error"),
+            warnings=severities.count("warning"),
+        )

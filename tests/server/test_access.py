@@ -305,3 +305,15 @@ async def test_throttle_forgets_when_it_holds_too_much() -> None:
     for _ in range(5):
         throttle.failed("eva", "10.9.9.9")
     assert throttle.wait_s("eva", "10.9.9.9") > 0
+
+
+async def test_strangers_learn_of_the_health_only_how_bad_it_is(service: Service) -> None:
+    for who in (None, "robot"):
+        told = (await service.http(who).get("/api/health")).json()
+        assert told.keys() == {"state", "stamp_ns", "redis_reachable", "errors", "warnings"}
+        assert (told["state"], told["redis_reachable"]) == ("error", True)
+    shown = (await service.http("viewer").get("/api/health")).json()
+    assert {"processes", "udp", "problems"} <= shown.keys()
+    assert told["errors"] == sum(problem["severity"] == "error" for problem in shown["problems"])
+    forged = await service.http().get("/api/health", headers={"Authorization": "Bearer x"})
+    assert (forged.status_code, "processes" in forged.json()) == (200, False)

@@ -114,6 +114,7 @@ async def test_without_redis_every_route_says_so_and_recovers(redis_server: Redi
     reads += ["/tokens", "/floor.jpg", "/cameras/cam0/preview.jpg", "/sim/objects", "/lab", f"/robots/{ROBOT}/commands"]
     async with in_process(redis_server.url) as service:
         admin = service.http("admin")
+        assert (await admin.get("/api/session")).status_code == 200
         redis_server.kill()
         for path in reads:
             answer = await admin.get(f"/api{path}")

@@ -94,11 +94,11 @@ async def test_it_starts_without_redis(redis_server: RedisServer, tmp_path: Path
     with process(redis_server.url, tmp_path) as (child, url):
         async with httpx.AsyncClient(trust_env=False, timeout=10) as client:
             await _answering(client, url)
-            assert (await client.get(f"{url}/api/health")).json()["redis"]["reachable"] is False
+            assert (await client.get(f"{url}/api/health")).json()["redis_reachable"] is False
             redis_server.start()
 
             async def reachable() -> bool:
-                return (await client.get(f"{url}/api/health")).json()["redis"]["reachable"]
+                return (await client.get(f"{url}/api/health")).json()["redis_reachable"]
 
             await until(reachable)
         assert child.poll() is None

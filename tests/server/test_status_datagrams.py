@@ -74,7 +74,7 @@ async def test_the_newest_status_is_kept_and_shown(redis_url: str) -> None:
         await until(newest)
         shown = (await service.http("viewer").get(f"/api/robots/{ROBOT}")).json()
         assert (shown["connection"], shown["status"]["battery"]) == ("ONLINE", 0.3)
-        health = (await service.http().get("/api/health")).json()
+        health = (await service.http("viewer").get("/api/health")).json()
         assert (health["udp"]["received"], health["udp"]["accepted"]) == (3, 3)
 
 
