@@ -16,7 +16,7 @@ from server.roles import Role
 router = APIRouter()
 
 _LEAST_S = 0.05
-_CHECK_EVERY_S = 10.0
+CHECK_EVERY_S = 10.0
 SESSION_ENDED = 4401
 """Close code: log in again."""
 _logger = logging.getLogger(__name__)
@@ -53,6 +53,15 @@ async def admitted(socket: WebSocket, context: Context) -> bool:
     return True
 
 
+async def still_admitted(socket: WebSocket, context: Context) -> bool:
+    """Whether whoever opened the socket is a viewer still, as far as Redis says."""
+    try:
+        identity = await identify(socket, context)
+    except (RedisError, OSError):
+        return True
+    return identity is not None and identity.has(Role.VIEWER)
+
+
 async def until_gone(socket: WebSocket) -> None:
     """Returns when the other end has closed or the server ends."""
     while True:
@@ -67,12 +76,11 @@ async def _send(socket: WebSocket, context: Context, client: LiveClient) -> None
         while True:
             await socket.send_text((await client.next()).decode())
             await context.clock.sleep(_LEAST_S)
-            if context.clock.monotonic_s() - checked_s > _CHECK_EVERY_S:
+            if context.clock.monotonic_s() - checked_s > CHECK_EVERY_S:
                 checked_s = context.clock.monotonic_s()
-                with suppress(RedisError):
-                    if await identify(socket, context) is None:
-                        await socket.close(SESSION_ENDED, "the session has ended")
-                        return
+                if not await still_admitted(socket, context):
+                    await socket.close(SESSION_ENDED, "the session has ended")
+                    return
 
 
 async def _deny(socket: WebSocket, code: int, detail: str) -> None:

@@ -7,9 +7,10 @@ goes through both ways, without compression or a limit of size, and so do close 
 import asyncio
 import logging
 from collections.abc import AsyncIterator
+from contextlib import suppress
 
 import httpx
-from fastapi import APIRouter, Request, WebSocket
+from fastapi import APIRouter, Request, WebSocket, WebSocketDisconnect
 from redis.exceptions import RedisError
 from starlette.background import BackgroundTask
 from starlette.responses import HTMLResponse, RedirectResponse, Response, StreamingResponse
@@ -18,10 +19,10 @@ from websockets.exceptions import ConnectionClosed, WebSocketException
 from websockets.typing import Subprotocol
 
 from server.access import identify
-from server.context import Ctx
+from server.context import Context, Ctx
 from server.errors import UnavailableError
 from server.roles import Role
-from server.routes.live import admitted
+from server.routes.live import CHECK_EVERY_S, SESSION_ENDED, admitted, still_admitted
 
 router = APIRouter(include_in_schema=False)
 
@@ -95,20 +96,29 @@ async def scene_socket(socket: WebSocket, context: Ctx) -> None:
         return
     try:
         await socket.accept(upstream.subprotocol)
-        await _pass_both_ways(socket, upstream)
+        await _pass_both_ways(socket, upstream, context)
     finally:
         await upstream.close()
 
 
-async def _pass_both_ways(socket: WebSocket, upstream: ClientConnection) -> None:
-    down = asyncio.create_task(_down(socket, upstream))
-    up = asyncio.create_task(_up(socket, upstream))
+async def _pass_both_ways(socket: WebSocket, upstream: ClientConnection, context: Context) -> None:
+    parts = _down(socket, upstream), _up(socket, upstream), _until_not_admitted(socket, context)
+    tasks = [asyncio.create_task(part) for part in parts]
     try:
-        await asyncio.wait({down, up}, return_when=asyncio.FIRST_COMPLETED)
+        await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
     finally:
-        down.cancel()
-        up.cancel()
-        await asyncio.gather(down, up, return_exceptions=True)
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
+        if tasks[2].done() and not tasks[2].cancelled():
+            with suppress(WebSocketDisconnect, RuntimeError, OSError):
+                await socket.close(SESSION_ENDED, "the session has ended")
+
+
+async def _until_not_admitted(socket: WebSocket, context: Context) -> None:
+    """Returns when the session has ended."""
+    while await still_admitted(socket, context):
+        await context.clock.sleep(CHECK_EVERY_S)
 
 
 async def _down(socket: WebSocket, upstream: ClientConnection) -> None:

@@ -14,6 +14,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.http11 import Request, Response
 from websockets.typing import Subprotocol
 
+from server.routes import scene_proxy
 from tests.server.service import PASSWORD, Service, free_port, served, until
 
 VISER = "viser-v1.1.1"
@@ -182,3 +183,18 @@ async def test_the_server_ends_with_open_scenes(redis_url: str) -> None:
         async with asyncio.timeout(2):
             with pytest.raises(ConnectionClosed):
                 await client.recv()
+
+
+async def test_the_passage_ends_with_the_session(redis_url: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(scene_proxy, "CHECK_EVERY_S", 0.05)
+    port = free_port()
+    async with scene(port), served(redis_url, scene_port=port) as (service, _), through(service) as client:
+        await client.send("still here")
+        assert await client.recv() == "still here"
+        admin = service.http("admin")
+        tokens = (await admin.get("/api/tokens")).json()
+        (mine,) = [token["id"] for token in tokens if token["name"] == "viewer token"]
+        assert (await admin.delete(f"/api/tokens/{mine}")).status_code == 204
+        with pytest.raises(ConnectionClosed):
+            await asyncio.wait_for(client.recv(), 5)
+        assert client.close_code == 4401
