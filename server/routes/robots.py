@@ -2,15 +2,15 @@
 
 from typing import Annotated
 
-from fastapi import APIRouter
+from fastapi import APIRouter, Query
 from pydantic import ConfigDict, Field
 
-from protocol.messages import Assignment, ManualDrive, RobotSettings
+from protocol.messages import Assignment, ManualDrive, Response, RobotSettings
 from protocol.messages.base import Finite, Identifier
 from server.access import Operator, RobotId, Viewer
 from server.context import Ctx
 from server.errors import ConflictError
-from server.live.reading import read_fleet
+from server.live.reading import read_fleet, read_responses
 from server.routes.answers import refusals
 from server.views.base import Body
 from server.views.robots import RobotView, robot_view
@@ -49,6 +49,15 @@ async def get_robot(_identity: Viewer, robot_id: RobotId, context: Ctx) -> Robot
     """All that is known of the robot."""
     vehicle = context.vehicle(robot_id)
     return robot_view(vehicle, await read_fleet(context.bus), context.clock.now_ns())
+
+
+@router.get("/{robot_id}/responses", summary="What a robot answered", responses=refusals(404))
+async def list_responses(
+    _identity: Viewer, robot_id: RobotId, context: Ctx, count: Annotated[int, Query(ge=1, le=1000)] = 100
+) -> list[Response]:
+    """The robot's newest responses to commands, oldest first: accepted, refused and why, or reached."""
+    context.vehicle(robot_id)
+    return await read_responses(context.bus, robot_id, count)
 
 
 @router.put("/{robot_id}/settings", summary="Set the obstacle box", responses=refusals(404))

@@ -2,7 +2,6 @@
 
 import asyncio
 import json
-from typing import Any
 
 import redis.asyncio
 
@@ -13,7 +12,7 @@ from server.live.command_stream import command_stream
 from server.live.feeds import CommandFeeds
 from tests.redis_fixture import RedisServer
 from tests.server.samples import command
-from tests.server.service import ROBOT, in_process, served, until
+from tests.server.service import OTHER_ROBOT, ROBOT, in_process, served, until
 from tests.server.streams import EventStream
 
 CLOCK = SystemClock()
@@ -186,9 +185,20 @@ async def test_responses_are_kept_and_must_be_the_robots_own(redis_url: str) -> 
         assert (await robot.post(f"/api/robots/{ROBOT}/responses", json=response)).status_code == 204
         wrong = await robot.post(f"/api/robots/{ROBOT}/responses", json={**response, "robot": "wifibot-15"})
         assert wrong.status_code == 422
-        async with redis.asyncio.Redis.from_url(redis_url) as client:
-            entries: Any = await client.xrange("lilliput:stream:responses")
-        assert [json.loads(fields[b"m"])["command_order"] for _, fields in entries] == [[1, 7]]
+        other = {**response, "robot": OTHER_ROBOT}
+        for _ in range(2):
+            assert (
+                await service.http("other-robot").post(f"/api/robots/{OTHER_ROBOT}/responses", json=other)
+            ).is_success
+        for sequence in (8, 9):
+            later = {**response, "command_order": [1, sequence]}
+            assert (await robot.post(f"/api/robots/{ROBOT}/responses", json=later)).is_success
+        viewer = service.http("viewer")
+        for count, orders in ((1000, [[1, 7], [1, 8], [1, 9]]), (2, [[1, 8], [1, 9]])):
+            read = (await viewer.get(f"/api/robots/{ROBOT}/responses?count={count}")).json()
+            assert [(each["robot"], each["command_order"]) for each in read] == [(ROBOT, order) for order in orders]
+        assert (await viewer.get("/api/robots/turtlebot-16/responses")).json() == []
+        assert (await viewer.get("/api/robots/nobody/responses")).status_code == 404
 
 
 async def test_the_stream_needs_no_patience_of_the_client(redis_url: str) -> None:
