@@ -33,3 +33,7 @@ class Identity:
     def is_robot(self, robot: str) -> bool:
         """Whether this is that robot itself."""
         return self.role is Role.ROBOT and self.robot == robot
+
+    def hand(self, tab: str | None) -> str:
+        """What holds a stick: this session or token, or one tab of it."""
+        return self.holder if tab is None else f"{self.holder}/{tab}"

@@ -2,7 +2,7 @@
 
 from typing import Annotated
 
-from fastapi import APIRouter, Query
+from fastapi import APIRouter, Header, Query
 from pydantic import ConfigDict, Field
 
 from protocol.messages import Assignment, ManualDrive, Response, RobotSettings
@@ -16,6 +16,16 @@ from server.views.base import Body
 from server.views.robots import RobotView, robot_view
 
 router = APIRouter(prefix="/robots", tags=["robots"])
+
+
+_Tab = Annotated[
+    str | None,
+    Header(
+        alias="X-Lilliput-Tab",
+        pattern=r"^[A-Za-z0-9_-]{1,64}$",
+        description="Tells one tab, or one thread of a program, from another of the same login: each has a hand of its own.",
+    ),
+]
 
 
 class Start(Body):
@@ -100,18 +110,20 @@ async def stop_route(identity: Operator, robot_id: RobotId, context: Ctx) -> Ass
 
 
 @router.put("/{robot_id}/manual", summary="Drive by hand", responses=refusals(404, 409))
-async def drive_by_hand(identity: Operator, robot_id: RobotId, twist: Twist, context: Ctx) -> ManualDrive:
+async def drive_by_hand(
+    identity: Operator, robot_id: RobotId, twist: Twist, context: Ctx, tab: _Tab = None
+) -> ManualDrive:
     """Takes or renews the stick for half a second with this twist, and answers with what is applied: it is clipped to
     what the robot can do. Manual drive outranks the route. Refused while somebody else holds the stick and while the
     emergency stop is engaged."""
     vehicle = context.vehicle(robot_id)
     if (await context.emergency_stop.get()).engaged:
         raise ConflictError("the emergency stop is engaged; release it before driving by hand")
-    return await context.manual.drive(vehicle, twist.linear_mps, twist.angular_radps, identity.holder, identity.name)
+    return await context.manual.drive(vehicle, twist.linear_mps, twist.angular_radps, identity.hand(tab), identity.name)
 
 
 @router.delete("/{robot_id}/manual", summary="Let go of the stick", status_code=204, responses=refusals(404, 409))
-async def let_go(identity: Operator, robot_id: RobotId, context: Ctx) -> None:
+async def let_go(identity: Operator, robot_id: RobotId, context: Ctx, tab: _Tab = None) -> None:
     """Hands the robot back to its route at once. Refused while somebody else holds the stick."""
     context.vehicle(robot_id)
-    await context.manual.release(robot_id, identity.holder, identity.name)
+    await context.manual.release(robot_id, identity.hand(tab), identity.name)

@@ -114,9 +114,9 @@ async def test_one_hand_at_a_time_on_the_stick(client: redis.asyncio.Redis) -> N
     drive = await manual.drive(vehicle, 0.2, -0.3, "eva", "eva")
     assert (drive.linear_mps, drive.angular_radps) == (0.2, -0.3)
     assert drive.expires_ns == clock.now_ns() + 500_000_000
-    with pytest.raises(ConflictError, match="drives .* by hand"):
+    with pytest.raises(ConflictError, match=r"drives .* by hand"):
         await manual.drive(vehicle, 0.0, 0.0, "adam", "adam")
-    with pytest.raises(ConflictError, match="drives .* by hand"):
+    with pytest.raises(ConflictError, match=r"drives .* by hand"):
         await manual.release(ROBOT, "adam", "adam")
     await clock.advance(0.4)
     await manual.drive(vehicle, 0.2, 0.0, "eva", "eva")
@@ -160,3 +160,18 @@ async def test_sticks_through_the_api(redis_url: str) -> None:
         assert (
             await admin.put("/api/robots/nobody/manual", json={"linear_mps": 0, "angular_radps": 0})
         ).status_code == 404
+
+
+async def test_two_tabs_of_one_login_do_not_share_the_stick(redis_url: str) -> None:
+    async with in_process(redis_url) as service:
+        operator, address = service.http("operator"), f"/api/robots/{ROBOT}/manual"
+        twist = {"linear_mps": 0.1, "angular_radps": 0}
+        one, other = {"X-Lilliput-Tab": "tab-1"}, {"X-Lilliput-Tab": "tab-2"}
+        assert (await operator.put(address, json=twist, headers=one)).status_code == 200
+        assert (await operator.put(address, json=twist, headers=one)).status_code == 200
+        assert (await operator.put(address, json=twist, headers=other)).status_code == 409
+        assert (await operator.put(address, json=twist)).status_code == 409
+        assert (await operator.delete(address, headers=other)).status_code == 409
+        assert (await operator.delete(address, headers=one)).status_code == 204
+        assert (await operator.put(address, json=twist, headers=other)).status_code == 200
+        assert (await operator.put(address, json=twist, headers={"X-Lilliput-Tab": "a/b"})).status_code == 422

@@ -43,6 +43,11 @@ export class ApiError extends Error {
   }
 }
 
+/** Not `randomUUID`, which browsers have on HTTPS and on localhost alone. */
+const TAB = Array.from(crypto.getRandomValues(new Uint8Array(12)), (byte) => byte.toString(16).padStart(2, "0")).join(
+  "",
+);
+
 type Call = <M extends Method, P extends PathWith<M>>(
   method: M,
   path: P,
@@ -58,8 +63,13 @@ async function send(method: string, path: string, { body, path: values, query }:
   try {
     response = await fetch(address + searchOf(query), {
       method: method.toUpperCase(),
-      // Changes by cookie need this header: a foreign page cannot send it.
-      headers: { "X-Lilliput": "1", ...(body !== undefined && { "Content-Type": "application/json" }) },
+      // Changes by cookie need the first header: a foreign page cannot send it. The second tells the hand on a robot's
+      // stick from that of another tab.
+      headers: {
+        "X-Lilliput": "1",
+        "X-Lilliput-Tab": TAB,
+        ...(body !== undefined && { "Content-Type": "application/json" }),
+      },
       ...(body !== undefined && { body: JSON.stringify(body) }),
     });
   } catch {

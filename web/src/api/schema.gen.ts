@@ -58,8 +58,8 @@ export interface paths {
         };
         /**
          * Health of the system
-         * @description How old the newest message of every channel is, which processes run, and what is missing since when. Open to all;
-         *     answers 200 also when something is wrong, Redis included: see `state`.
+         * @description For viewers: how old the newest message of every channel is, which processes run, and what is missing since when.
+         *     Everybody else gets a HealthSummary. Answers 200 also when something is wrong, Redis included: see `state`.
          */
         get: operations["get_health"];
         put?: never;
@@ -130,6 +130,30 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/robots/{robot_id}/responses": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * What a robot answered
+         * @description The robot's newest responses to commands, oldest first: accepted, refused and why, or reached.
+         */
+        get: operations["list_responses"];
+        put?: never;
+        /**
+         * Answer a command
+         * @description What became of a command: accepted or refused, what is really applied, and when its target was reached.
+         */
+        post: operations["post_response"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/robots/{robot_id}/settings": {
         parameters: {
             query?: never;
@@ -160,8 +184,9 @@ export interface paths {
         get?: never;
         /**
          * Start a route
-         * @description Gives the robot a route. Refused while the emergency stop is engaged, while it has another one that is not over,
-         *     and when a waypoint of the route is missing.
+         * @description Gives the robot a route. Refused while the emergency stop is engaged, while it has another one that is not over
+         *     (one that was started by `first start`, a simulated lab's tours, is replaced), and when a waypoint of the route is
+         *     missing.
          */
         put: operations["start_route"];
         post?: never;
@@ -281,26 +306,6 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/robots/{robot_id}/responses": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        get?: never;
-        put?: never;
-        /**
-         * Answer a command
-         * @description What became of a command: accepted or refused, what is really applied, and when its target was reached.
-         */
-        post: operations["post_response"];
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
     "/api/waypoints": {
         parameters: {
             query?: never;
@@ -413,7 +418,8 @@ export interface paths {
         /**
          * Stop everything
          * @description Every robot halts at once and stays so until a person releases the stop; it survives every restart. When it is
-         *     engaged already, its first reason stays.
+         *     engaged already, its first reason stays. It works without Redis too: then robots with an open stream are told, it is
+         *     written when Redis is back (if this server still runs), and the answer is a 503 that says so.
          */
         post: operations["engage_emergency_stop"];
         /**
@@ -887,6 +893,9 @@ export interface components {
         /**
          * Engage
          * @description Why everything is to stop.
+         * @example {
+         *       "reason": "person on the floor"
+         *     }
          */
         Engage: {
             /**
@@ -1007,6 +1016,25 @@ export interface components {
             detail?: components["schemas"]["ValidationError"][];
         };
         /**
+         * HealthSummary
+         * @description What everybody may know of the health: how bad it is, not what.
+         */
+        HealthSummary: {
+            /**
+             * State
+             * @enum {string}
+             */
+            state: "ok" | "warning" | "error";
+            /** Stamp Ns */
+            stamp_ns: number;
+            /** Redis Reachable */
+            redis_reachable: boolean;
+            /** Errors */
+            errors: number;
+            /** Warnings */
+            warnings: number;
+        };
+        /**
          * HealthView
          * @description The health of the whole: `error` when something is missing that robots need, `warning` when less.
          */
@@ -1066,6 +1094,11 @@ export interface components {
         /**
          * Introduction
          * @description What a robot says when it starts, and again every five seconds. `session` differs after each of its restarts.
+         * @example {
+         *       "kind": "wifibot",
+         *       "session": "b1946ac9",
+         *       "udp_port": 40123
+         *     }
          */
         Introduction: {
             /**
@@ -1116,6 +1149,10 @@ export interface components {
         /**
          * Leg
          * @description One leg of a route: the waypoint it ends at and the speed set-point on the way there.
+         * @example {
+         *       "speed_mps": 0.3,
+         *       "waypoint": "charger"
+         *     }
          */
         Leg: {
             /** Waypoint */
@@ -1254,6 +1291,10 @@ export interface components {
         /**
          * Login
          * @description A user's name and password.
+         * @example {
+         *       "password": "kodu-fami-zelo-tiva-4821",
+         *       "user": "admin"
+         *     }
          */
         Login: {
             /**
@@ -1286,6 +1327,7 @@ export interface components {
             /**
              * By
              * @description Who that is, for people.
+             * @default
              */
             by: string;
             /** Expires Ns */
@@ -1322,6 +1364,10 @@ export interface components {
         /**
          * NewToken
          * @description A token to issue: role `robot` names its robot, the others do not.
+         * @example {
+         *       "name": "night shift script",
+         *       "role": "operator"
+         *     }
          */
         NewToken: {
             /**
@@ -1354,6 +1400,10 @@ export interface components {
         /**
          * NewUser
          * @description A user to create; without a password a random one is made.
+         * @example {
+         *       "name": "eva",
+         *       "role": "operator"
+         *     }
          */
         NewUser: {
             /**
@@ -1618,6 +1668,9 @@ export interface components {
         /**
          * Release
          * @description A person's word that it is safe to move again.
+         * @example {
+         *       "confirm": true
+         *     }
          */
         Release: {
             /**
@@ -1629,6 +1682,18 @@ export interface components {
         /**
          * Response
          * @description Robot to server: the command it answers, what was really applied, and when the target was reached (empty before).
+         * @example {
+         *       "applied_speed_mps": 0.3,
+         *       "command_order": [
+         *         3,
+         *         1207
+         *       ],
+         *       "command_stamp_ns": 1700000000000000000,
+         *       "movement": "MoveTo",
+         *       "outcome": "accepted",
+         *       "robot": "wifibot-14",
+         *       "stamp_ns": 1700000000020000000
+         *     }
          */
         Response: {
             /** Robot */
@@ -1660,6 +1725,11 @@ export interface components {
         /**
          * RobotSettings
          * @description What an operator may set per robot; absent fields fall back to the lab description.
+         * @example {
+         *       "box_length_m": 0.8,
+         *       "box_start_m": 0,
+         *       "box_width_m": 0.6
+         *     }
          */
         RobotSettings: {
             /** Box Start M */
@@ -1722,6 +1792,16 @@ export interface components {
         /**
          * Route
          * @description Ordered legs, driven once or looped.
+         * @example {
+         *       "id": "charge",
+         *       "legs": [
+         *         {
+         *           "speed_mps": 0.3,
+         *           "waypoint": "charger"
+         *         }
+         *       ],
+         *       "loop": false
+         *     }
          */
         Route: {
             /** Id */
@@ -1751,6 +1831,12 @@ export interface components {
         /**
          * SimulatedObject
          * @description A person or a pallet on the simulated floor; a person with `path` walks it back and forth at `speed_mps`.
+         * @example {
+         *       "id": "pallet-1",
+         *       "kind": "pallet",
+         *       "x": 1,
+         *       "y": 1
+         *     }
          */
         SimulatedObject: {
             /** Id */
@@ -1786,6 +1872,10 @@ export interface components {
         /**
          * Start
          * @description Which route to drive; `speed_scale` multiplies the speed of every leg.
+         * @example {
+         *       "route": "charge",
+         *       "speed_scale": 1
+         *     }
          */
         Start: {
             /**
@@ -1875,6 +1965,10 @@ export interface components {
         /**
          * Twist
          * @description What the hand on the stick asks for: m/s forward, rad/s to the left.
+         * @example {
+         *       "angular_radps": -0.5,
+         *       "linear_mps": 0.2
+         *     }
          */
         Twist: {
             /**
@@ -1927,6 +2021,9 @@ export interface components {
         /**
          * UserChange
          * @description What to change of a user; their sessions end.
+         * @example {
+         *       "role": "viewer"
+         *     }
          */
         UserChange: {
             role?: components["schemas"]["Role"] | null;
@@ -2036,6 +2133,13 @@ export interface components {
          * Waypoint
          * @description A place on the floor: metres in the map frame; the radius within which it counts as reached; the heading (rad) to
          *     leave it with if that matters.
+         * @example {
+         *       "area": "camp",
+         *       "id": "charger",
+         *       "radius_m": 0.15,
+         *       "x": 1,
+         *       "y": 1
+         *     }
          */
         Waypoint: {
             /** Id */
@@ -2097,6 +2201,7 @@ export type ExtrinsicsView = components['schemas']['ExtrinsicsView'];
 export type FloorTags = components['schemas']['FloorTags'];
 export type GuidanceView = components['schemas']['GuidanceView'];
 export type HttpValidationError = components['schemas']['HTTPValidationError'];
+export type HealthSummary = components['schemas']['HealthSummary'];
 export type HealthView = components['schemas']['HealthView'];
 export type Intrinsics = components['schemas']['Intrinsics'];
 export type Introduction = components['schemas']['Introduction'];
@@ -2400,7 +2505,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["HealthView"];
+                    "application/json": components["schemas"]["HealthView"] | components["schemas"]["HealthSummary"];
                 };
             };
         };
@@ -2547,6 +2652,162 @@ export interface operations {
                 content: {
                     "application/json": components["schemas"]["RobotView"];
                 };
+            };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_responses: {
+        parameters: {
+            query?: {
+                count?: number;
+            };
+            header?: never;
+            path: {
+                robot_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Response"][];
+                };
+            };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    post_response: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                robot_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["Response"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
             };
             /** @description The body is not JSON. */
             400: {
@@ -3031,7 +3292,10 @@ export interface operations {
     drive_by_hand: {
         parameters: {
             query?: never;
-            header?: never;
+            header?: {
+                /** @description Tells one tab, or one thread of a program, from another of the same login: each has a hand of its own. */
+                "X-Lilliput-Tab"?: string | null;
+            };
             path: {
                 robot_id: string;
             };
@@ -3120,7 +3384,10 @@ export interface operations {
     let_go: {
         parameters: {
             query?: never;
-            header?: never;
+            header?: {
+                /** @description Tells one tab, or one thread of a program, from another of the same login: each has a hand of its own. */
+                "X-Lilliput-Tab"?: string | null;
+            };
             path: {
                 robot_id: string;
             };
@@ -3303,84 +3570,6 @@ export interface operations {
                      */
                     "text/event-stream": string;
                 };
-            };
-            /** @description The body is not JSON. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Not logged in, or the token is not valid. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Validation Error */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
-                };
-            };
-            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-        };
-    };
-    post_response: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path: {
-                robot_id: string;
-            };
-            cookie?: never;
-        };
-        requestBody: {
-            content: {
-                "application/json": components["schemas"]["Response"];
-            };
-        };
-        responses: {
-            /** @description Successful Response */
-            204: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content?: never;
             };
             /** @description The body is not JSON. */
             400: {
@@ -4137,7 +4326,7 @@ export interface operations {
                     "application/json": components["schemas"]["HTTPValidationError"];
                 };
             };
-            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            /** @description Redis is out of reach: the robots on open streams were told to stop, and it is yet to be written. */
             503: {
                 headers: {
                     [name: string]: unknown;
