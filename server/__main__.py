@@ -1,6 +1,7 @@
 """`python -m server`: the fleet service, until SIGTERM or Ctrl-C."""
 
 import asyncio
+import errno
 import logging
 import os
 import socket
@@ -29,8 +30,8 @@ def main() -> None:
     resolved = configuration(settings, lab, os.environ, _CONSOLE)
     logging.getLogger("server").info("%s", resolved)
     with (
-        _bound(listening, resolved.host, resolved.http_port, "") as console,
-        _bound(datagrams, resolved.host, resolved.udp_port, " (UDP)") as robots,
+        _bound(listening, resolved.host, resolved.http_port, "", "LILLIPUT_HTTP_PORT") as console,
+        _bound(datagrams, resolved.host, resolved.udp_port, " (UDP)", f"ports.robots_udp in {settings.lab}") as robots,
     ):
         serving = server(create_app(resolved, lab, robots))
         asyncio.run(serving.serve(sockets=[console]))
@@ -38,11 +39,25 @@ def main() -> None:
         sys.exit(1)
 
 
-def _bound(bind: Callable[[str, int], socket.socket], host: str, port: int, kind: str) -> socket.socket:
+def _bound(bind: Callable[[str, int], socket.socket], host: str, port: int, kind: str, setting: str) -> socket.socket:
     try:
         return bind(host, port)
     except OSError as error:
-        raise SystemExit(f"cannot listen on {host}:{port}{kind}: {error.strerror}") from None
+        raise SystemExit(f"cannot listen on {host}:{port}{kind}: {error.strerror}. {_advice(error, setting)}") from None
+
+
+def _advice(error: OSError, setting: str) -> str:
+    """What to do about it."""
+    match error.errno:
+        case errno.EADDRINUSE:
+            return (
+                "Another program has it, perhaps a Lilliput that still runs: end that one (Ctrl-C where it was started), "
+                f"or set {setting} to a free port."
+            )
+        case errno.EACCES:
+            return f"Ports below 1024 are for the administrator; set {setting} to one of 1024 or above."
+        case _:
+            return "Set LILLIPUT_HOST to an address of this machine, such as 127.0.0.1, or 0.0.0.0 for all of them."
 
 
 if __name__ == "__main__":

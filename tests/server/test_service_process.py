@@ -120,7 +120,7 @@ def test_a_port_in_use_is_named(environment: pytest.MonkeyPatch) -> None:
         taken.listen()
         port = str(taken.getsockname()[1])
         environment.setenv("LILLIPUT_HTTP_PORT", port)
-        with pytest.raises(SystemExit, match=f"^cannot listen on 127.0.0.1:{port}: .*in use"):
+        with pytest.raises(SystemExit, match=f"^cannot listen on 127.0.0.1:{port}: .*in use.*set LILLIPUT_HTTP_PORT"):
             main()
 
 
@@ -132,8 +132,16 @@ def test_a_udp_port_in_use_is_named(environment: pytest.MonkeyPatch, tmp_path: P
         text = (ROOT / "labs" / "gulliver.yaml").read_text()
         lab.write_text(text.replace("robots_udp: 2020", f"robots_udp: {port}"))
         environment.setenv("LILLIPUT_LAB", str(lab))
-        with pytest.raises(SystemExit, match=rf"^cannot listen on 127.0.0.1:{port} \(UDP\): .*in use"):
+        with pytest.raises(
+            SystemExit, match=rf"^cannot listen on 127.0.0.1:{port} \(UDP\): .*in use.*set ports.robots_udp in "
+        ):
             main()
+
+
+def test_an_address_of_another_machine_is_named(environment: pytest.MonkeyPatch) -> None:
+    environment.setenv("LILLIPUT_HOST", "203.0.113.1")
+    with pytest.raises(SystemExit, match=r"^cannot listen on 203.0.113.1:\d+: .*Set LILLIPUT_HOST"):
+        main()
 
 
 @pytest.mark.parametrize("port", ["0", "x", "70000", "²"])
