@@ -18,7 +18,7 @@ from protocol.codec import decode, encode
 from protocol.errors import DecodeError
 from protocol.messages import SimulatedObject, TruePose
 
-_TRUTH_PERIOD_S = 0.05
+_TRUTH_PERIOD_S = 1.0 / GROUND_TRUTH.rate_hz
 _OBJECTS_PERIOD_S = 0.2
 _SAVE_PERIOD_S = 0.5
 _SAVE_ANYWAY_EVERY = 60
@@ -56,7 +56,7 @@ class SharedState:
             return
 
     async def publish_truth(self) -> None:
-        """The ground truth, 20 times a second."""
+        """The ground truth, at its channel's rate."""
         while True:
             try:
                 await self._bus.publish(GROUND_TRUTH, LAB_INSTANCE, self._world.truth())

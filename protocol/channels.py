@@ -74,7 +74,7 @@ STATUSES = Channel("statuses", Status, Instances.VEHICLE, "agent", 10.0, 1.0)
 MANUAL = Channel("manual", ManualDrive, Instances.VEHICLE, "server", 0.0, 0.0)
 EMERGENCY_STOP = Channel("emergency_stop", EmergencyStop, Instances.LAB, "server", 0.0, 0.0)
 PROCESSES = Channel("processes", ProcessState, Instances.PROCESS, "launcher", 1.0, 5.0)
-GROUND_TRUTH = Channel("ground_truth", GroundTruth, Instances.LAB, "lab", 20.0, 1.0)
+GROUND_TRUTH = Channel("ground_truth", GroundTruth, Instances.LAB, "lab", 50.0, 1.0)
 RESPONSES = Channel("responses", Response, Instances.VEHICLE, "agent", 0.0, 0.0, Delivery.EVERY)
 EVENTS = Channel("events", Event, Instances.LAB, "server", 0.0, 0.0, Delivery.EVERY)
 

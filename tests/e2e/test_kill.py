@@ -22,7 +22,7 @@ ROBOT = "wifibot-14"
 SPEED_MPS = 0.3
 DEAD_MAN_S = 0.5
 BRAKING_S = 0.7
-"""After the dead-man's switch: the base's own delay, 0.8 m/s at 2 m/s^2, and the truth's rate of 20 Hz."""
+"""After the dead-man's switch: the base's own delay, 0.8 m/s at 2 m/s^2, and the truth's own rate."""
 
 
 class Watch:
