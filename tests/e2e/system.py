@@ -2,6 +2,7 @@
 
 import os
 import re
+import shutil
 import signal
 import socket
 import subprocess
@@ -22,6 +23,7 @@ from protocol import keys
 from protocol.channels import GROUND_TRUTH, LAB_INSTANCE, PROCESSES
 from protocol.codec import decode
 from protocol.messages import GroundTruth, ProcessState, TruePose
+from protocol.settings import frames_folder
 
 ROOT = Path(__file__).resolve().parents[2]
 T = TypeVar("T")
@@ -165,6 +167,7 @@ def running_system(folder: Path, lab: Path | None = None, password: str | None =
         reader.join(5)
         if process.stdout is not None:
             process.stdout.close()
+        shutil.rmtree(frames_folder(state), ignore_errors=True)  # a killed launcher cannot
 
 
 def _said(process: subprocess.Popen[str], output: list[str], pattern: str, timeout_s: float = 90.0) -> str:
