@@ -29,7 +29,7 @@ const SENTENCES: Readonly<Record<ReasonCode, string>> = {
   command_stale: "it hears no fresh commands",
   obstacles_unknown: "the obstacle map is missing",
   outside_area: "it is outside every area",
-  waypoint_missing: "a waypoint of its route is missing",
+  waypoint_missing: "its route cannot be driven",
   not_connected: "its agent is not connected",
   driver_fault: "its driver reports a fault",
 };
