@@ -112,7 +112,9 @@ class Status(Message):
     battery: Annotated[float, Field(ge=0, le=1)] | None = Field(default=None, description="Share of full charge.")
     mode: Mode = Mode.AUTOMATIC
     faults: tuple[str, ...] = ()
-    command_order: tuple[int, int] | None = Field(default=None, description="(epoch, sequence) of the newest command accepted.")
+    command_order: tuple[int, int] | None = Field(
+        default=None, description="(epoch, sequence) of the newest command accepted."
+    )
     stopped_by: Reason | None = Field(default=None, description="Why the robot itself holds still, if it does.")
     pose_age_s: NonNegative | None = None
     command_age_s: NonNegative | None = None
