@@ -22,23 +22,12 @@ from shapely.geometry.base import BaseGeometry
 from shapely.ops import substring, unary_union
 
 from geometry import SE2
-from protocol.lab import VehicleSpec
-from protocol.messages import RobotSettings
+from protocol.lab import ObstacleBox, VehicleSpec
 from server.guidance.parameters import GuidanceParameters
 from server.guidance.path import Point, prolonged
 
 _MOVING_MPS = 0.05
 _SHORTEST_M = 0.01
-
-
-@dataclass(frozen=True, slots=True)
-class BoxSize:
-    """The box as set for a robot, metres."""
-
-    start_m: float
-    length_m: float
-    width_m: float
-    stop_at_waypoint: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,18 +59,7 @@ class Box:
     line: LineString
 
 
-def box_size(spec: VehicleSpec, settings: RobotSettings | None) -> BoxSize:
-    """The operator's settings over the lab description's."""
-    base, own = spec.obstacle_box, settings or RobotSettings()
-    return BoxSize(
-        base.start_m if own.box_start_m is None else own.box_start_m,
-        base.length_m if own.box_length_m is None else own.box_length_m,
-        base.width_m if own.box_width_m is None else own.box_width_m,
-        base.stop_at_waypoint if own.stop_at_waypoint is None else own.stop_at_waypoint,
-    )
-
-
-def reach_m(size: BoxSize, spec: VehicleSpec, speed_mps: float, parameters: GuidanceParameters) -> float:
+def reach_m(size: ObstacleBox, spec: VehicleSpec, speed_mps: float, parameters: GuidanceParameters) -> float:
     """How far along the path from the rotation centre the box must reach; see the module for the formula."""
     stopping = speed_mps * parameters.reaction_s + speed_mps**2 / (2 * spec.limits.braking_mps2)
     return max(size.start_m + size.length_m, Body.of(spec).front_m + parameters.clearance_m + stopping)
@@ -90,7 +68,7 @@ def reach_m(size: BoxSize, spec: VehicleSpec, speed_mps: float, parameters: Guid
 def obstacle_box(
     pose: SE2,
     path: PlannedPath,
-    size: BoxSize,
+    size: ObstacleBox,
     spec: VehicleSpec,
     commanded_mps: float,
     present_mps: float,

@@ -20,9 +20,10 @@ from protocol.messages import (
     ReasonCode,
     TrackedPose,
 )
+from server.effective_box import effective_box
 from server.guidance import decision as decide
 from server.guidance.blockage import nearest_blockage, observed_share
-from server.guidance.box import Body, Box, PlannedPath, box_size, footprint_at, obstacle_box, outline, reach_m
+from server.guidance.box import Body, Box, PlannedPath, footprint_at, obstacle_box, outline, reach_m
 from server.guidance.decision import Decision, Ground
 from server.guidance.following import Progress, RouteFollower, RoutePlan, Sight, resolve
 from server.guidance.parameters import GuidanceParameters
@@ -190,7 +191,7 @@ class RobotGuidance:
 
     def _leaves_ground(self, snapshot: Snapshot, path: PlannedPath, commanded_mps: float) -> Reason | None:
         """The reason to wait when the path leaves every area within the reach of the obstacle box."""
-        size = box_size(self._spec, snapshot.settings.get(self._spec.id))
+        size = effective_box(self._spec.obstacle_box, snapshot.settings.get(self._spec.id))
         place = self._ground.leaving(path.points, reach_m(size, self._spec, commanded_mps, self._parameters))
         if place is None:
             return None
@@ -198,7 +199,7 @@ class RobotGuidance:
         return Reason(code=ReasonCode.OUTSIDE_AREA, text=text)
 
     def _box(self, snapshot: Snapshot, path: PlannedPath, here: SE2, pose: TrackedPose, commanded_mps: float) -> Box:
-        size = box_size(self._spec, snapshot.settings.get(self._spec.id))
+        size = effective_box(self._spec.obstacle_box, snapshot.settings.get(self._spec.id))
         forward = SE2(0.0, 0.0, -here.yaw).apply((pose.vx, pose.vy))
         return obstacle_box(here, path, size, self._spec, commanded_mps, float(forward[0]), self._parameters)
 

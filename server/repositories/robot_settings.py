@@ -1,25 +1,11 @@
-"""What an operator sets per robot: the obstacle box; durable. What is absent falls back to the lab description."""
+"""What an operator sets per robot: the obstacle box; durable."""
 
 from protocol import keys
 from protocol.clock import Clock
-from protocol.lab import ObstacleBox
 from protocol.messages import Event, EventLevel, RobotSettings
 from server.repositories.documents import Documents, Store, Transaction
 
 ROBOT_SETTINGS = Documents(keys.ROBOT_SETTINGS, RobotSettings)
-
-
-def effective_box(box: ObstacleBox, settings: RobotSettings | None) -> ObstacleBox:
-    """The lab's obstacle box with what the operator has set over it."""
-    if settings is None:
-        return box
-    given = {
-        "start_m": settings.box_start_m,
-        "length_m": settings.box_length_m,
-        "width_m": settings.box_width_m,
-        "stop_at_waypoint": settings.stop_at_waypoint,
-    }
-    return box.model_copy(update={name: value for name, value in given.items() if value is not None})
 
 
 class RobotSettingsRepository:

@@ -26,8 +26,8 @@ from protocol.messages import (
     TrackedPose,
 )
 from protocol.messages.guidance import Blockage
+from server.effective_box import effective_box
 from server.repositories.plan import is_over
-from server.repositories.robot_settings import effective_box
 from server.views.base import AgeS, Outline, PointXY, View, age_s
 
 

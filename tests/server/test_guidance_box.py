@@ -11,25 +11,29 @@ from shapely.geometry.base import BaseGeometry
 
 from geometry import SE2
 from mapping.grid import FloorGrid
+from protocol.lab import ObstacleBox
 from protocol.messages import Blockage, RobotSettings
+from server.effective_box import effective_box
 from server.guidance.blockage import nearest_blockage, observed_share, robot_shapes
-from server.guidance.box import Body, Box, BoxSize, PlannedPath, box_size, footprint_at, obstacle_box, outline, reach_m
+from server.guidance.box import Body, Box, PlannedPath, footprint_at, obstacle_box, outline, reach_m
 from server.guidance.parameters import GuidanceParameters
 from server.guidance.snapshot import Snapshot
 from tests.server.guidance_scenario import LAB, OTHER, ROBOT, START_NS, raster, square, tracked
 
 PARAMETERS = GuidanceParameters()
 SPEC = LAB.vehicle(ROBOT)
-SIZE = BoxSize(0.2, 0.6, 0.45, stop_at_waypoint=False)
+SIZE = ObstacleBox(start_m=0.2, length_m=0.6, width_m=0.45, stop_at_waypoint=False)
 
 
-def box_of(*points: tuple[float, float], yaw: float = 0.0, size: BoxSize = SIZE, speed: float = 0.1) -> Box:
+def box_of(*points: tuple[float, float], yaw: float = 0.0, size: ObstacleBox = SIZE, speed: float = 0.1) -> Box:
     way = math.dist(points[0], points[1])
     return obstacle_box(SE2(*points[0], yaw), PlannedPath(points, way), size, SPEC, speed, 0.0, PARAMETERS)
 
 
 def test_a_straight_box_starts_where_it_should_and_has_the_width_and_length_that_were_set() -> None:
-    area = box_of((1.0, 1.0), (5.0, 1.0), size=BoxSize(1.0, 0.8, 0.6, stop_at_waypoint=False)).area
+    area = box_of(
+        (1.0, 1.0), (5.0, 1.0), size=ObstacleBox(start_m=1.0, length_m=0.8, width_m=0.6, stop_at_waypoint=False)
+    ).area
     assert area.bounds == pytest.approx((1.0, 0.7, 2.8, 1.3))
     assert area.covers(Point(2.05, 1.29))
     assert not area.covers(Point(1.9, 1.29))  # before its start it is as wide as the robot
@@ -37,7 +41,12 @@ def test_a_straight_box_starts_where_it_should_and_has_the_width_and_length_that
 
 
 def test_the_box_follows_a_bend_of_the_path() -> None:
-    area = box_of((1.0, 1.0), (1.4, 1.0), (1.4, 3.0), size=BoxSize(0.2, 1.0, 0.4, stop_at_waypoint=False)).area
+    area = box_of(
+        (1.0, 1.0),
+        (1.4, 1.0),
+        (1.4, 3.0),
+        size=ObstacleBox(start_m=0.2, length_m=1.0, width_m=0.4, stop_at_waypoint=False),
+    ).area
     assert area.covers(Point(1.4, 1.75))
     assert area.covers(Point(1.25, 1.7))
     assert not area.covers(Point(1.9, 1.0))
@@ -45,15 +54,15 @@ def test_the_box_follows_a_bend_of_the_path() -> None:
 
 
 def test_it_ends_at_the_waypoint_or_runs_past_it_as_set() -> None:
-    stopping = BoxSize(0.2, 2.0, 0.4, stop_at_waypoint=True)
+    stopping = ObstacleBox(start_m=0.2, length_m=2.0, width_m=0.4, stop_at_waypoint=True)
     assert box_of((1.0, 1.0), (1.5, 1.0), size=stopping).area.bounds[2] == pytest.approx(1.5)
-    past = BoxSize(0.2, 2.0, 0.4, stop_at_waypoint=False)
+    past = ObstacleBox(start_m=0.2, length_m=2.0, width_m=0.4, stop_at_waypoint=False)
     assert box_of((1.0, 1.0), (1.5, 1.0), size=past).area.bounds[2] == pytest.approx(3.2)
 
 
 @given(speed=st.floats(0.05, 0.8), front=st.floats(0.1, 0.5), length=st.floats(0.05, 3.0))
 def test_its_reach_leaves_the_clearance_after_reaction_and_braking(speed: float, front: float, length: float) -> None:
-    size = BoxSize(0.2, length, 0.45, stop_at_waypoint=False)
+    size = ObstacleBox(start_m=0.2, length_m=length, width_m=0.45, stop_at_waypoint=False)
     spec = SPEC.model_copy(update={"footprint": ((-0.1, -0.1), (front, -0.1), (front, 0.1), (-0.1, 0.1))})
     reach = reach_m(size, spec, speed, PARAMETERS)
     stopping = speed * PARAMETERS.reaction_s + speed**2 / (2 * spec.limits.braking_mps2)
@@ -71,13 +80,15 @@ def test_a_moving_robot_also_watches_the_floor_straight_ahead_that_it_cannot_hel
 
 
 def test_operators_settings_go_over_the_lab_description() -> None:
-    size = box_size(SPEC, RobotSettings(box_length_m=2.0, stop_at_waypoint=True))
-    assert size == BoxSize(SPEC.obstacle_box.start_m, 2.0, SPEC.obstacle_box.width_m, stop_at_waypoint=True)
-    assert box_size(SPEC, None).length_m == SPEC.obstacle_box.length_m
+    size = effective_box(SPEC.obstacle_box, RobotSettings(box_length_m=2.0, stop_at_waypoint=True))
+    assert size == ObstacleBox(
+        start_m=SPEC.obstacle_box.start_m, length_m=2.0, width_m=SPEC.obstacle_box.width_m, stop_at_waypoint=True
+    )
+    assert effective_box(SPEC.obstacle_box, None).length_m == SPEC.obstacle_box.length_m
 
 
 def test_the_box_is_never_narrower_than_the_robot() -> None:
-    thin = BoxSize(0.2, 0.6, 0.02, stop_at_waypoint=False)
+    thin = ObstacleBox(start_m=0.2, length_m=0.6, width_m=0.02, stop_at_waypoint=False)
     box = box_of((1.0, 1.0), (5.0, 1.0), size=thin, speed=0.3)
     assert box.area.bounds[1::2] == pytest.approx((0.84, 1.16))
     assert blockage_of(box, [square(1.6, 1.25, side=0.3)]) is not None
@@ -93,7 +104,7 @@ way = st.lists(st.tuples(coordinate, coordinate), min_size=1, max_size=6)
 def test_any_path_gives_a_box_within_reach_that_can_be_drawn(
     points: list[tuple[float, float]], yaw: float, present: float, speed: float, stop: bool
 ) -> None:
-    size = BoxSize(0.2, 0.6, 0.45, stop)
+    size = ObstacleBox(start_m=0.2, length_m=0.6, width_m=0.45, stop_at_waypoint=stop)
     pose = SE2(*points[0], yaw)
     way_m = math.dist(points[0], points[1]) if len(points) > 1 else 0.0
     box = obstacle_box(pose, PlannedPath(points, way_m), size, SPEC, speed, present, PARAMETERS)
@@ -110,7 +121,9 @@ def blockage_of(box: Box, pallets: list[list[tuple[float, float]]]) -> Blockage 
 
 
 def test_the_nearest_obstacle_is_named_with_its_place_and_distance_from_the_front() -> None:
-    box = box_of((1.0, 1.0), (5.0, 1.0), size=BoxSize(0.2, 3.0, 0.45, stop_at_waypoint=False))
+    box = box_of(
+        (1.0, 1.0), (5.0, 1.0), size=ObstacleBox(start_m=0.2, length_m=3.0, width_m=0.45, stop_at_waypoint=False)
+    )
     found = blockage_of(box, [square(3.0, 1.0), square(2.2, 1.0)])
     assert found is not None
     assert found.robot is None
@@ -140,7 +153,9 @@ def test_whatever_touches_the_box_outside_of_the_robot_blocks(x: float, y: float
 def test_another_robot_in_the_box_is_named_and_counts_where_it_will_be() -> None:
     snapshot = Snapshot(now_ns=START_NS, now_s=0.0, poses={OTHER: tracked(OTHER, 2.0, 0.2, yaw=math.pi / 2, speed=0.8)})
     shapes = robot_shapes({OTHER: LAB.vehicle(OTHER)}, snapshot, PARAMETERS)
-    box = box_of((1.0, 1.0), (5.0, 1.0), size=BoxSize(0.2, 1.0, 0.45, stop_at_waypoint=False))
+    box = box_of(
+        (1.0, 1.0), (5.0, 1.0), size=ObstacleBox(start_m=0.2, length_m=1.0, width_m=0.45, stop_at_waypoint=False)
+    )
     own = footprint_at(SE2(1.0, 1.0, 0.0), SPEC)
     grid = FloorGrid.from_raster(raster())
     found = nearest_blockage(ROBOT, box, own, 0.15, grid, shapes)
