@@ -5,12 +5,17 @@
 
 from protocol.lab.description import Lab
 from protocol.lab.devices import (
+    Accuracy,
     Area,
     CameraSpec,
     FloorTags,
+    GulliViewLayout,
+    GulliViewOutput,
     Intrinsics,
     Limits,
     ObstacleBox,
+    Output,
+    Outputs,
     Ports,
     VehicleSpec,
     VehicleTag,
@@ -27,13 +32,18 @@ from protocol.lab.simulation import (
 )
 
 __all__ = [
+    "Accuracy",
     "Area",
     "CameraSpec",
     "FloorTags",
+    "GulliViewLayout",
+    "GulliViewOutput",
     "Intrinsics",
     "Lab",
     "Limits",
     "ObstacleBox",
+    "Output",
+    "Outputs",
     "Ports",
     "SimulatedDrive",
     "SimulatedImage",

@@ -6,7 +6,7 @@ from typing import Annotated, Self
 from pydantic import Field, ValidationInfo, model_validator
 
 from protocol.lab.base import Identifier, LabModel
-from protocol.lab.devices import Area, CameraSpec, FloorTags, Ports, VehicleSpec, ZoneSpec
+from protocol.lab.devices import Accuracy, Area, CameraSpec, FloorTags, Outputs, Ports, VehicleSpec, ZoneSpec
 from protocol.lab.simulation import Simulation
 
 Location = tuple[str | int, ...]
@@ -22,6 +22,8 @@ class Lab(LabModel):
     floor_tags: FloorTags
     vehicles: tuple[VehicleSpec, ...] = ()
     zones: tuple[ZoneSpec, ...] = ()
+    accuracy: Accuracy = Accuracy()
+    outputs: Outputs = Outputs()
     ports: Ports = Ports()
     simulation: Simulation = Simulation()
 

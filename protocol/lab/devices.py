@@ -138,7 +138,45 @@ class ZoneSpec(LabModel):
         return self
 
 
+class Accuracy(LabModel):
+    """How well the description was measured, as standard deviations: floor tags' x and y (m) and heading (rad), heights of the
+    vehicles' tags (m), focal lengths (relative), principal points (px). Calibration weighs by them, and what they leave open is
+    part of every pose's covariance."""
+
+    floor_tag_m: Positive = 0.002
+    floor_tag_rad: Positive = 0.005
+    tag_height_m: Positive = 0.002
+    focal: Annotated[float, Field(gt=0, lt=0.1)] = 0.001
+    center_px: Positive = 1.0
+
+
 Port = Annotated[int, Field(gt=0, lt=65536)]
+
+
+class Output(LabModel):
+    """One way for poses to leave: whether it is on, and how often each vehicle's pose goes (0: every update)."""
+
+    enabled: bool = True
+    rate_hz: Annotated[float, Field(ge=0, le=1000)] = 0.0
+
+
+GulliViewLayout = Literal["gulliview-2021", "gulliview-2023", "gulliview-2025a", "gulliview-2025"]
+
+
+class GulliViewOutput(Output):
+    """A receiver of the existing systems' packets (spec udp): which layout it speaks, and where it listens."""
+
+    layout: GulliViewLayout
+    host: Annotated[str, Field(min_length=1)]
+    port: Port
+
+
+class Outputs(LabModel):
+    """Where tracked poses go: the bus (Redis), our datagrams to registered robots, packets of the existing systems."""
+
+    redis: Output = Output()
+    datagrams: Output = Output()
+    gulliview: tuple[GulliViewOutput, ...] = ()
 
 
 class Ports(LabModel):

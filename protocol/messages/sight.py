@@ -8,7 +8,8 @@ class Detection(Struct, frozen=True, forbid_unknown_fields=True):
 
     `corners_px` are four (x, y) in pixels, the first pixel's centre is (0, 0), in the order in which OpenCV's ArUco module
     gives them. `x`, `y`, `yaw` are the pose of the *tag* in the map frame (m, rad), `covariance` the upper triangle
-    (xx, xy, xyaw, yy, yyaw, yawyaw) of its covariance (m^2, m rad, rad^2).
+    (xx, xy, xyaw, yy, yyaw, yawyaw) of its covariance (m^2, m rad, rad^2). `systematic` is the part of it that is the same
+    in the next frame too, since it comes from the calibration and the tag's measured height: waiting does not average it away.
     """
 
     family: str
@@ -19,11 +20,13 @@ class Detection(Struct, frozen=True, forbid_unknown_fields=True):
     y: float
     yaw: float
     covariance: tuple[float, float, float, float, float, float]
+    systematic: tuple[float, float, float, float, float, float] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 class FrameDetections(Struct, frozen=True, forbid_unknown_fields=True):
     """The vehicle tags found in one frame of one camera. `stamp_ns` is the capture time, `sent_ns` when the message was
-    ready; `timings_ms` has the stages wait, detect, undistort, pose."""
+    ready; `full_search` says that this frame (or the last band of one) completed a search of the whole picture; `timings_ms` has
+    the stages `wait` (capture to start), `window` and `full` (the two searches), `undistort`, `pose`."""
 
     camera: str
     stamp_ns: int
@@ -37,7 +40,8 @@ class FrameDetections(Struct, frozen=True, forbid_unknown_fields=True):
 class TrackedPose(Struct, frozen=True, forbid_unknown_fields=True):
     """A vehicle's rotation centre in the map frame at `stamp_ns` (capture time of the newest frame that was fused).
 
-    Velocities are in the map frame (m/s, rad/s); `covariance` as in Detection; `cameras` saw it in that update.
+    Velocities and accelerations are in the map frame (m/s, rad/s, m/s^2); `covariance` as in Detection; `cameras` saw it in
+    that update.
     """
 
     vehicle: str
@@ -51,11 +55,13 @@ class TrackedPose(Struct, frozen=True, forbid_unknown_fields=True):
     covariance: tuple[float, float, float, float, float, float]
     cameras: tuple[str, ...]
     area: str | None = None
+    ax: float = 0.0
+    ay: float = 0.0
 
 
 class CameraState(Struct, frozen=True, forbid_unknown_fields=True):
-    """How a camera does. `error` says what is wrong (None when nothing is); latency is frame to message, median of the
-    last seconds, in ms; `reprojection_px` is the extrinsics' RMS error, None before calibration."""
+    """How a camera does. `error` says what is wrong (None when nothing is), `error_since_ns` since when; latency is frame to
+    message, median of the last seconds, in ms; `reprojection_px` is the extrinsics' RMS error, None before calibration."""
 
     camera: str
     stamp_ns: int
@@ -71,11 +77,14 @@ class CameraState(Struct, frozen=True, forbid_unknown_fields=True):
     floor_tags_seen: tuple[int, ...]
     reprojection_px: float | None
     timings_ms: dict[str, float]
+    error_since_ns: int | None = None
 
 
 class CameraExtrinsics(Struct, frozen=True, forbid_unknown_fields=True):
     """T_map_camera: a calibration result. `rotvec` is axis times angle (rad), `translation` metres; a point of the camera
-    frame (x right, y down, z forward) is mapped into the map frame."""
+    frame (x right, y down, z forward) is mapped into the map frame. `covariance` is the upper triangle, row by row, of the
+    10 x 10 covariance of (rotvec, translation, fx, fy, cx, cy): what floor tags and description leave open, rad, m and px;
+    the rotation's error is the left perturbation exp(delta) R. Empty when it is not known."""
 
     camera: str
     stamp_ns: int
@@ -83,6 +92,7 @@ class CameraExtrinsics(Struct, frozen=True, forbid_unknown_fields=True):
     translation: tuple[float, float, float]
     reprojection_px: float
     floor_tags: tuple[int, ...]
+    covariance: tuple[float, ...] = ()
 
 
 class FloorRaster(Struct, frozen=True, forbid_unknown_fields=True):
