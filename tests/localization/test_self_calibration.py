@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from geometry import SE3
-from localization.calibration import SelfCalibration
+from localization.calibration import ExtrinsicsError, SelfCalibration
+from localization.calibration.extrinsics import estimate_extrinsics
 from localization.detection import TagObservation
-from localization.extrinsics import ExtrinsicsError, estimate_extrinsics
 from localization.projection import extrinsics_pose
 from localization.tags import KnownTags
 from protocol.messages import CameraExtrinsics

@@ -11,16 +11,16 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry import CameraModel
+from geometry import SE2, CameraModel
+from localization.calibration.extrinsics import MIN_TAGS, ExtrinsicsError, estimate_extrinsics, reprojection_px
+from localization.calibration.sighting import Corners, FloorSighting, averaged
 from localization.detection import TagObservation
-from localization.extrinsics import MIN_TAGS, ExtrinsicsError, estimate_extrinsics, reprojection_px
 from localization.projection import CameraView, extrinsics_pose
 from localization.tag_pose import PoseNoise
-from localization.tags import KnownTags
+from localization.tags import KnownTags, tag_corners
 from protocol.messages import CameraExtrinsics
 
 Array = NDArray[np.float64]
-Corners = dict[int, Array]
 
 _MOST_MISFIT_M = 0.015
 """An estimate that leaves the floor tags' corners further off than this is refused: an id, a yaw or a size is wrong."""
@@ -56,6 +56,7 @@ class SelfCalibration:
         self._suspicions = 0
         self._empty_searches = 0
         self._corner_noise_px: float | None = None
+        self._sighting: FloorSighting | None = None
         self.floor_tags_seen: tuple[int, ...] = ()
         self.problem: str | None = None
         if stored is not None:
@@ -70,6 +71,24 @@ class SelfCalibration:
     def view(self) -> CameraView | None:
         """The camera with these extrinsics."""
         return self._view
+
+    @property
+    def sighting(self) -> FloorSighting | None:
+        """The averaged sighting behind the newest calibration."""
+        return self._sighting
+
+    def adopt(self, extrinsics: CameraExtrinsics, floor_tags: Mapping[int, SE2] | None = None) -> None:
+        """Uses extrinsics from outside at once; `floor_tags` (T_map_tag) replace the places where floor tags are expected."""
+        if floor_tags is not None:
+            square = tag_corners(self._size_m)
+            self._expected = {tag: pose.apply(square) for tag, pose in floor_tags.items()}
+        self.problem = None
+        self._use(extrinsics)
+
+    def restart(self) -> None:
+        """Calibrates again from fresh frames."""
+        self._samples, self._suspicions, self._empty_searches = [], 0, 0
+        self._extrinsics, self._view = None, None
 
     @property
     def noise(self) -> PoseNoise:
@@ -122,7 +141,8 @@ class SelfCalibration:
         return {tag_id: corners for tag_id, corners in seen.items() if tag_id not in twice}
 
     def _calibrate(self, samples: list[Corners], stamp_ns: int) -> CameraExtrinsics | None:
-        mean, shake_px = _averaged(samples)
+        sighting = averaged(self._camera_id, stamp_ns, samples)
+        mean, shake_px = sighting.corners, sighting.corner_noise_px
         if shake_px > _SHAKE_PX:
             self.problem = f"not calibrated: the picture shakes, floor tags move by {shake_px:.1f} px"
             return None
@@ -141,6 +161,7 @@ class SelfCalibration:
             return None
         self._samples = None
         self.problem = None
+        self._sighting = sighting
         if self._view is not None:
             stored_px = _median(reprojection_px(self._model, self._view.T_map_camera, mean, self._expected))
             if stored_px <= max(2.0 * estimate.reprojection_px, estimate.reprojection_px + 0.5):
@@ -174,17 +195,6 @@ class SelfCalibration:
     def _px_per_m(self, seen: Mapping[int, Array]) -> float:
         sides = [np.linalg.norm(c - np.roll(c, 1, axis=0), axis=1).mean() for c in seen.values()]
         return float(np.mean(sides)) / self._size_m
-
-
-def _averaged(samples: list[Corners]) -> tuple[Corners, float]:
-    """Mean corners of the tags seen in at least half of the frames, and the median over tags of their standard deviation (px)."""
-    by_tag: dict[int, list[Array]] = {}
-    for sample in samples:
-        for tag_id, corners in sample.items():
-            by_tag.setdefault(tag_id, []).append(corners)
-    steady = {tag: np.array(seen) for tag, seen in by_tag.items() if 2 * len(seen) >= len(samples)}
-    mean: Corners = {tag: seen.mean(axis=0) for tag, seen in steady.items()}
-    return mean, _median({tag: float(np.sqrt(seen.var(axis=0, ddof=1).mean())) for tag, seen in steady.items()})
 
 
 def _median(values: Mapping[int, float]) -> float:
