@@ -13,11 +13,13 @@ from msgspec import Struct
 from pydantic import BaseModel
 
 from protocol.messages import (
+    CalibrationRun,
     CameraState,
     Command,
     EmergencyStop,
     Event,
     FloorRaster,
+    FloorTagSighting,
     FrameDetections,
     GroundTruth,
     GuidanceState,
@@ -72,6 +74,8 @@ GUIDANCE = Channel("guidance", GuidanceState, Instances.VEHICLE, "guidance", 10.
 REGISTRATIONS = Channel("registrations", Registration, Instances.VEHICLE, "agent", 0.2, 15.0)
 STATUSES = Channel("statuses", Status, Instances.VEHICLE, "agent", 10.0, 1.0)
 MANUAL = Channel("manual", ManualDrive, Instances.VEHICLE, "server", 0.0, 0.0)
+SIGHTINGS = Channel("sightings", FloorTagSighting, Instances.CAMERA, "camera", 0.0, 0.0)
+CALIBRATION_RUNS = Channel("calibration_runs", CalibrationRun, Instances.LAB, "calibrator", 0.0, 0.0)
 EMERGENCY_STOP = Channel("emergency_stop", EmergencyStop, Instances.LAB, "server", 0.0, 0.0)
 PROCESSES = Channel("processes", ProcessState, Instances.PROCESS, "launcher", 1.0, 5.0)
 GROUND_TRUTH = Channel("ground_truth", GroundTruth, Instances.LAB, "lab", 50.0, 1.0)
@@ -89,6 +93,8 @@ CHANNELS: tuple[Channel[Any], ...] = (
     REGISTRATIONS,
     STATUSES,
     MANUAL,
+    SIGHTINGS,
+    CALIBRATION_RUNS,
     EMERGENCY_STOP,
     PROCESSES,
     GROUND_TRUTH,

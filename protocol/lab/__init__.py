@@ -3,6 +3,7 @@
 `load_lab` reads a file and raises `LabFileError`, every problem with its line; unknown keys are refused.
 """
 
+from protocol.lab.basis import camera_basis, floor_basis
 from protocol.lab.description import Lab
 from protocol.lab.devices import (
     Accuracy,
@@ -54,6 +55,8 @@ __all__ = [
     "VehicleSpec",
     "VehicleTag",
     "ZoneSpec",
+    "camera_basis",
+    "floor_basis",
     "load_lab",
     "parse_lab",
 ]

@@ -5,6 +5,17 @@ JSON on the wire; `protocol.codec` turns either into bytes and back. Stamps are 
 metres in the map frame, angles radians counter-clockwise.
 """
 
+from protocol.messages.calibration import (
+    CalibratedCamera,
+    CalibratedFloorTag,
+    Calibration,
+    CalibrationProposal,
+    CalibrationRun,
+    CameraComparison,
+    FloorTagComparison,
+    FloorTagSighting,
+    RunState,
+)
 from protocol.messages.fleet import (
     Assignment,
     AssignmentState,
@@ -41,6 +52,12 @@ __all__ = [
     "Assignment",
     "AssignmentState",
     "Blockage",
+    "CalibratedCamera",
+    "CalibratedFloorTag",
+    "Calibration",
+    "CalibrationProposal",
+    "CalibrationRun",
+    "CameraComparison",
     "CameraExtrinsics",
     "CameraState",
     "Command",
@@ -50,6 +67,8 @@ __all__ = [
     "Event",
     "EventLevel",
     "FloorRaster",
+    "FloorTagComparison",
+    "FloorTagSighting",
     "FrameDetections",
     "GroundTruth",
     "GuidanceState",
@@ -66,6 +85,7 @@ __all__ = [
     "Response",
     "RobotSettings",
     "Route",
+    "RunState",
     "SimulatedObject",
     "Status",
     "Target",
