@@ -19,7 +19,8 @@ from typing import cast
 import numpy as np
 from numpy.typing import NDArray
 
-from localization.calibration import SelfCalibration
+from geometry import SE2
+from localization.calibration import FloorSighting, SelfCalibration
 from localization.detection import (
     FullSearch,
     TagDetector,
@@ -98,6 +99,23 @@ class CameraPipeline:
     def extrinsics(self) -> CameraExtrinsics | None:
         """The calibration in use; None until there is one, and while a moved camera finds its place again."""
         return self._calibration.extrinsics
+
+    @property
+    def sighting(self) -> FloorSighting | None:
+        """What the floor tags looked like when they were last averaged over frames."""
+        return self._calibration.sighting
+
+    def adopt(self, extrinsics: CameraExtrinsics, floor_tags: Mapping[int, SE2] | None = None) -> None:
+        """Uses a calibration from outside at once; `floor_tags` (T_map_tag) replace the places where they are expected."""
+        self._calibration.adopt(extrinsics, floor_tags)
+
+    def look_again(self) -> None:
+        """Averages the floor tags anew over the next frames; poses go on with the present calibration meanwhile."""
+        self._calibration.look_again()
+
+    def recalibrate(self) -> None:
+        """Forgets the calibration and makes a new one from the next frames."""
+        self._calibration.restart()
 
     @property
     def problem(self) -> str | None:

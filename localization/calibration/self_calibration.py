@@ -90,6 +90,11 @@ class SelfCalibration:
         self._samples, self._suspicions, self._empty_searches = [], 0, 0
         self._extrinsics, self._view = None, None
 
+    def look_again(self) -> None:
+        """Takes a new sighting of the floor tags from the next frames, while what is in use stays in use; it is replaced only
+        when it does not hold any longer."""
+        self._samples, self._suspicions, self._empty_searches = [], 0, 0
+
     @property
     def noise(self) -> PoseNoise:
         """What limits poses from this camera, measured on its own floor tags: how much their corners flicker from frame to
