@@ -51,6 +51,10 @@ def _cameras(lab: Lab) -> Sequence[str]:
     return tuple(camera.id for camera in lab.cameras)
 
 
+def _with_cameras(lab: Lab) -> Sequence[str]:
+    return ("",) if lab.cameras else ()
+
+
 def _simulated_vehicles(lab: Lab) -> Sequence[str]:
     return tuple(vehicle.id for vehicle in lab.vehicles if vehicle.driver == "sim")
 
@@ -67,6 +71,7 @@ PROCESSES = (
     ProcessKind("scene", ("-m", "server.scene"), "always", _always),
     ProcessKind("camera", ("-m", "localization.camera", "{id}"), "one per camera", _cameras),
     ProcessKind("tracker", ("-m", "localization.tracker"), "always", _always),
+    ProcessKind("calibrator", ("-m", "localization.calibrator"), "when there is any camera", _with_cameras),
     ProcessKind("mapper", ("-m", "mapping.mapper"), "always", _always),
     ProcessKind("agent", ("-m", "agents", "{id}"), "one per simulated vehicle", _simulated_vehicles, needs_token=True),
 )

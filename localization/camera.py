@@ -12,6 +12,7 @@ from typing import NoReturn, cast
 
 import cv2
 
+from localization.calibration_link import CalibrationLink
 from localization.camera_state import CameraStatistics
 from localization.floor import FloorObserver
 from localization.pipeline import CameraPipeline, PipelineOptions
@@ -41,16 +42,20 @@ _REDIS_AT_START_S = 2.0
 class CameraService:
     """The I/O around `CameraPipeline`: one `step` per frame, or per timeout when none comes."""
 
-    def __init__(self, lab: Lab, source: Source, pipeline: CameraPipeline, floor: FloorObserver, bus: SyncBus) -> None:
-        self._source, self._pipeline, self._floor, self._bus = source, pipeline, floor, bus
+    def __init__(
+        self, lab: Lab, source: Source, pipeline: CameraPipeline, floor: FloorObserver, bus: SyncBus, clock: Clock
+    ) -> None:
+        self._source, self._pipeline, self._floor, self._bus, self._clock = source, pipeline, floor, bus, clock
+        self._calibration = CalibrationLink(lab, pipeline, bus, clock)
         self._id = pipeline.spec.id
         self._names = {(v.tag.family, v.tag.id): v.id for v in lab.vehicles}
         self._poses = PoseFeed(bus, min(_MOST_POSE_READS_HZ, 2 * pipeline.spec.rate_hz))
         self._stored = pipeline.extrinsics
         self._due: dict[str, float] = {}
 
-    def run(self, clock: Clock) -> NoReturn:
+    def run(self) -> NoReturn:
         """For ever; a signal's exception ends it."""
+        clock = self._clock
         statistics = CameraStatistics(clock.monotonic_s())
         while True:
             frame = self._source.newest(_FRAME_TIMEOUT_S)
@@ -60,10 +65,13 @@ class CameraService:
                 self._bus.publish(DETECTIONS, self._id, detections)
                 statistics.add(detections, clock.monotonic_s())
                 self._look_at_floor(frame)
+                if self._calibration.note():
+                    self._due.pop("state", None)  # an alarm does not wait for its turn
             now_s = clock.monotonic_s()
             if frame is not None and self._is_due("preview", now_s, _PREVIEW_EVERY_S):
                 self._keep(keys.PREVIEWS, preview_jpeg(frame.pixels, self._pipeline.tags, self._names))
             if self._is_due("state", now_s, _STATE_EVERY_S):
+                self._calibration.exchange()
                 self._keep_extrinsics()
                 state = statistics.state(self._source.state, self._pipeline, now_s, clock.now_ns())
                 self._bus.publish(CAMERA_STATES, self._id, state)
@@ -92,11 +100,6 @@ class CameraService:
             return
         if self._keep(keys.EXTRINSICS, encode(extrinsics)):
             self._stored = extrinsics
-            _logger.info(
-                "calibrated from floor tags %s, %.3f px off",
-                ", ".join(str(tag) for tag in extrinsics.floor_tags),
-                extrinsics.reprojection_px,
-            )
 
     def _keep(self, key: str, value: bytes) -> bool:
         try:
@@ -164,9 +167,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
         extrinsics=stored_extrinsics(bus, given.camera, clock),
     )
     floor = FloorObserver(lab, given.camera, settings.state)
-    service = CameraService(lab, open_source(pipeline.spec, settings.state, clock), pipeline, floor, bus)
+    service = CameraService(lab, open_source(pipeline.spec, settings.state, clock), pipeline, floor, bus, clock)
     try:
-        service.run(clock)
+        service.run()
     finally:
         service.close()
         bus.close()

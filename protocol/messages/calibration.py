@@ -12,13 +12,16 @@ from protocol.messages.sight import CameraExtrinsics
 
 Corners = tuple[tuple[float, float], tuple[float, float], tuple[float, float], tuple[float, float]]
 
+CURRENT, PREVIOUS = "current", "previous"
+"""Fields of the hash of calibrations: the one in force, and the one before it, to which a person can go back."""
+
 
 class FloorTagSighting(Struct, frozen=True, forbid_unknown_fields=True):
     """The floor tags that one camera saw, averaged over `frames` frames up to `stamp_ns`.
 
     `corners`: tag id -> four (x, y) in pixels, in the order of `Detection.corners_px`; `corner_noise_px` is the standard
     deviation of a single frame's corner, per axis. `extrinsics_ns` is the stamp of the extrinsics that the camera used when it
-    sent this, `request` the id of the run that asked for it (0: nobody did).
+    sent this, `request` the id of the run that asked for it (0: nobody did), `basis` the digest of the camera's description.
     """
 
     camera: str
@@ -27,6 +30,7 @@ class FloorTagSighting(Struct, frozen=True, forbid_unknown_fields=True):
     corners: dict[int, Corners]
     corner_noise_px: float
     extrinsics_ns: int
+    basis: str
     request: int = 0
 
 
@@ -62,6 +66,11 @@ class CalibrationRun(Message):
     def is_busy(self) -> bool:
         """Whether the calibrator still works on it."""
         return self.state in (RunState.COLLECTING, RunState.REFINING)
+
+    @property
+    def is_open(self) -> bool:
+        """Whether its outcome is still to come, or to be decided."""
+        return self.is_busy or self.state is RunState.PROPOSED
 
 
 class CalibratedCamera(Message):
