@@ -30,8 +30,9 @@ class Lab(LabModel):
     @model_validator(mode="after")
     def _cross_check(self, info: ValidationInfo) -> Self:
         """Collects problems into the context's list when there is one (so that a loader can name lines), else raises."""
-        problems = list(_cross_problems(self))
-        collected = (info.context or {}).get("problems")
+        context = info.context or {}
+        problems = list(_cross_problems(self, recorded=context.get("recorded", False)))
+        collected = context.get("problems")
         if collected is not None:
             collected.extend(problems)
         elif problems:
@@ -68,7 +69,7 @@ class Lab(LabModel):
         return any(c.source == "sim" for c in self.cameras) or any(v.driver == "sim" for v in self.vehicles)
 
 
-def _cross_problems(lab: Lab) -> Iterator[tuple[Location, str]]:
+def _cross_problems(lab: Lab, *, recorded: bool) -> Iterator[tuple[Location, str]]:
     for section, ids in (
         ("areas", [a.id for a in lab.areas]),
         ("cameras", [c.id for c in lab.cameras]),
@@ -85,7 +86,7 @@ def _cross_problems(lab: Lab) -> Iterator[tuple[Location, str]]:
                 ("cameras", index, "area"),
                 f"camera {camera.id!r} is in area {camera.area!r}, which does not exist (areas: {_listed(areas)})",
             )
-        if camera.source == "sim" and camera.id not in lab.simulation.mounts:
+        if camera.source == "sim" and camera.id not in lab.simulation.mounts and not recorded:
             yield ("cameras", index, "source"), f"simulated camera {camera.id!r} has no entry in simulation.mounts"
     yield from _tag_clashes(lab)
     known_cameras, known_vehicles = {c.id for c in lab.cameras}, {v.id for v in lab.vehicles}

@@ -14,18 +14,19 @@ _MERGE = "<<"
 _DEEPEST = 50
 
 
-def load_lab(path: Path | str) -> Lab:
-    """The lab described by the YAML file; LabFileError when it cannot be read, parsed or believed."""
+def load_lab(path: Path | str, *, recorded: bool = False) -> Lab:
+    """The lab described by the YAML file; LabFileError when it cannot be read, parsed or believed. With `recorded` its
+    cameras' frames come from a recording: a simulated camera needs no place in the simulation."""
     file = Path(path)
     try:
         text = file.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
         raise LabFileError(str(file), [LabProblem(0, "", f"cannot read the lab file: {error}")]) from error
-    return parse_lab(text, str(file))
+    return parse_lab(text, str(file), recorded=recorded)
 
 
-def parse_lab(text: str, name: str = "lab.yaml") -> Lab:
-    """The lab described by YAML text; `name` stands in the messages of LabFileError."""
+def parse_lab(text: str, name: str = "lab.yaml", *, recorded: bool = False) -> Lab:
+    """The lab described by YAML text; `name` stands in the messages of LabFileError, `recorded` is as in `load_lab`."""
     try:
         root = yaml.compose(text, Loader=yaml.SafeLoader)
         _check_keys(root, name)
@@ -41,7 +42,7 @@ def parse_lab(text: str, name: str = "lab.yaml") -> Lab:
         raise LabFileError(name, [LabProblem(1, "", "a lab file is a mapping with name, areas, cameras, ...")])
     collected: list[tuple[Location, str]] = []
     try:
-        lab = Lab.model_validate(data, context={"problems": collected})
+        lab = Lab.model_validate(data, context={"problems": collected, "recorded": recorded})
     except ValidationError as error:
         found = [(_location(item["loc"], root), _sentence(item)) for item in error.errors(include_url=False)]
         raise LabFileError(name, _with_lines(found, root)) from error

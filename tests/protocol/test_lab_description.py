@@ -79,6 +79,14 @@ def test_the_room_of_the_reports_loads() -> None:
     assert all(low_x < x < high_x and low_y < y < high_y for x, y, _ in lab.floor_tags.poses.values())
 
 
+def test_recorded_cameras_need_no_simulation() -> None:
+    described = GOOD[: GOOD.index("simulation:")]
+    assert [what for _, _, what in problems_of(described)] == [
+        f"simulated camera 'cam{i}' has no entry in simulation.mounts" for i in (0, 1)
+    ]
+    assert [camera.source for camera in parse_lab(described, recorded=True).cameras] == ["sim", "sim"]
+
+
 def test_merge_keys_and_defaults() -> None:
     lab = parse_lab(GOOD)
     assert lab.camera("cam1").width == 640
