@@ -164,11 +164,13 @@ GulliViewLayout = Literal["gulliview-2021", "gulliview-2023", "gulliview-2025a",
 
 
 class GulliViewOutput(Output):
-    """A receiver of the existing systems' packets (spec udp): which layout it speaks, and where it listens."""
+    """A receiver of the existing systems' packets (spec udp): which layout it speaks, where it listens, and whether positions
+    are the tag's, as from those systems, or the vehicle's rotation centre."""
 
     layout: GulliViewLayout
     host: Annotated[str, Field(min_length=1)]
     port: Port
+    point: Literal["tag", "vehicle"] = "tag"
 
 
 class Outputs(LabModel):
