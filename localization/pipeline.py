@@ -13,7 +13,7 @@ the camera calibrated. Only corners are undistorted. The caller gives frames and
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import cast
 
 import numpy as np
@@ -33,7 +33,7 @@ from localization.detection import (
 )
 from localization.prediction import is_fresh
 from localization.projection import CameraView, PointsAtInfinityError, undistort
-from localization.tag_pose import NotATagError, PoseNoise, tag_pose, upper
+from localization.tag_pose import PoseNoise, TagPose, extrinsics_covariance, tag_poses, upper
 from localization.tags import KnownTags
 from localization.windows import LastSeen, guesses_from_tracks
 from protocol.clock import Clock, SystemClock
@@ -91,6 +91,9 @@ class CameraPipeline:
         # Cameras take turns, so that their full searches do not fall into the same instant.
         index = [camera.id for camera in lab.cameras].index(camera_id)
         self._turn = self._every * index // len(lab.cameras)
+        self._tag_height_accuracy_m = lab.accuracy.tag_height_m
+        self._noise_for: CameraExtrinsics | None = None
+        self._calibration_covariance: NDArray[np.float64] | None = None
         self._last_tracked_ns: int | None = None
         self._tags: tuple[TagObservation, ...] = ()
         self._floor_tags: tuple[TagObservation, ...] = ()
@@ -224,27 +227,43 @@ class CameraPipeline:
         view = self._calibration.view
         if view is None:
             return []
-        noise = self.options.noise or self._calibration.noise
-        detections: list[Detection] = []
-        for tag, plane in zip(tags, corners, strict=True):
-            worn = self._known.vehicles[tag.key].tag
-            try:
-                found = tag_pose(view, plane, worn.size_m, worn.height_m, noise)
-            except (NotATagError, PointsAtInfinityError):
-                continue  # a wrong reading: not the square that this vehicle wears
-            detections.append(
-                Detection(
-                    family=tag.family,
-                    tag_id=tag.tag_id,
-                    corners_px=_corner_tuples(tag),
-                    decision_margin=tag.decision_margin,
-                    x=found.pose.x,
-                    y=found.pose.y,
-                    yaw=found.pose.yaw,
-                    covariance=upper(found.covariance),
-                )
+        worn = [self._known.vehicles[tag.key].tag for tag in tags]
+        found = tag_poses(
+            view,
+            np.array(corners).reshape(-1, 4, 2),
+            [each.size_m for each in worn],
+            [each.height_m for each in worn],
+            self._pose_noise(),
+        )
+        return [
+            Detection(
+                family=tag.family,
+                tag_id=tag.tag_id,
+                corners_px=_corner_tuples(tag),
+                decision_margin=tag.decision_margin,
+                x=placed.pose.x,
+                y=placed.pose.y,
+                yaw=placed.pose.yaw,
+                covariance=upper(placed.covariance),
+                systematic=upper(placed.systematic),
             )
-        return detections
+            for tag, placed in zip(tags, found, strict=True)
+            if isinstance(placed, TagPose)  # else a wrong reading: not the square that this vehicle wears
+        ]
+
+    def _pose_noise(self) -> PoseNoise:
+        """What limits poses now: the corners' flicker, what the calibration leaves open, and how well heights were measured."""
+        if self.options.noise is not None:
+            return self.options.noise
+        extrinsics = self._calibration.extrinsics
+        if extrinsics is not self._noise_for:
+            self._noise_for = extrinsics
+            self._calibration_covariance = None if extrinsics is None else extrinsics_covariance(extrinsics)
+        return replace(
+            self._calibration.noise,
+            height_m=self._tag_height_accuracy_m,
+            calibration=self._calibration_covariance,
+        )
 
 
 def _corner_tuples(

@@ -1,20 +1,22 @@
-"""The pose of a tag that lies level at a known height, and how far it may be trusted (spec localization, "Better than the
+"""Poses of tags that lie level at known heights, and how far they may be trusted (spec localization, "Better than the
 reports").
 
 The rays of the four corners meet the plane at the tag's height; a rigid fit of the known square to the four points gives
-x, y, yaw. PnP would have to find depth and tilt from a few pixels; here they are known.
+x, y, yaw. PnP would have to find depth and tilt from a few pixels; here they are known. All tags of a frame are done at once.
 """
 
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry import SE2
-from localization.projection import CameraView
+from geometry import SE2, CameraModel
+from localization.projection import CameraView, PlaneHits, PointsAtInfinityError
 from localization.tags import tag_corners
+from protocol.messages import CameraExtrinsics
 
 Array = NDArray[np.float64]
 
@@ -26,17 +28,21 @@ class NotATagError(ValueError):
     """Four points on the plane that are not the square that the tag is; the text says by how much."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class PoseNoise:
-    """What limits a pose. `corner_px`: standard deviation of a corner, each axis, new in every frame; `calibration_px`: how far
-    off the extrinsics put a point of the floor, the same in every frame of one camera; `height_m`: how far off the tag's height
-    was measured, which counts away from the camera's foot; `max_misfit`: how far the corners may be off the tag's square,
-    relative to its size."""
+    """What limits a pose.
+
+    `corner_px`: standard deviation of a corner, each axis, new in every frame. The rest is the same in every frame of one
+    camera: `calibration`, the (10, 10) covariance of its extrinsics and lens (`extrinsics_covariance`); where that is not known
+    (None), `calibration_px`, how far off the extrinsics put a point of the floor; `height_m`: how far off the tag's height was
+    measured, which counts away from the camera's foot. `max_misfit`: how far the corners may be off the tag's square, relative
+    to its size."""
 
     corner_px: float = 0.10
     calibration_px: float = 0.30
     height_m: float = 0.0015
     max_misfit: float = 0.05
+    calibration: Array | None = field(default=None, repr=False)
 
 
 _CALIBRATION_LEVER_M = 1.0
@@ -45,53 +51,165 @@ _CALIBRATION_LEVER_M = 1.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TagPose:
-    """T_map_tag in the plane of the tag and its covariance (3, 3) over x, y, yaw; `misfit_m` is the RMS distance of the
-    corners from the fitted square."""
+    """T_map_tag in the plane of the tag and its covariance (3, 3) over x, y, yaw, of which `systematic` (3, 3) is the part
+    that is the same in the next frame too; `misfit_m` is the RMS distance of the corners from the fitted square."""
 
     pose: SE2
     covariance: Array
+    systematic: Array
     misfit_m: float
 
 
 def tag_pose(view: CameraView, plane: Array, size_m: float, height_m: float, noise: PoseNoise) -> TagPose:
-    """The pose from the undistorted corners `plane` (4, 2) of a level tag of that size at that height.
+    """One tag of `tag_poses`, from its corners `plane` (4, 2). PointsAtInfinityError, NotATagError."""
+    (found,) = tag_poses(view, plane[None], [size_m], [height_m], noise)
+    if isinstance(found, TagPose):
+        return found
+    raise found
 
-    Pixel noise reaches x, y, yaw through the rays: each corner's 2x2 Jacobian grows with the depth and with the ray's
-    obliqueness to the plane; the fit is linear in the corners near the solution. Distortion's own scale, a few per cent, is
-    left out. PointsAtInfinityError, NotATagError.
+
+def tag_poses(
+    view: CameraView, planes: Array, sizes_m: Sequence[float], heights_m: Sequence[float], noise: PoseNoise
+) -> list[TagPose | NotATagError | PointsAtInfinityError]:
+    """The poses from undistorted corners `planes` (N, 4, 2) of level tags of those sizes at those heights, each or why not.
+
+    Pixel noise reaches x, y, yaw through the lens and the rays: each corner's 2x2 Jacobian grows with the depth and with the
+    ray's obliqueness to the plane; the fit is linear in the corners near the solution. Errors of the calibration and of the
+    height move all four corners together and go the same way (first-order propagation, Barfoot 2017, sec. 2.2.8).
     """
-    hits = view.hits(plane, height_m)
-    square = tag_corners(size_m)
-    centre = hits.points.mean(axis=0)
-    offsets = hits.points - centre
+    count = len(planes)
+    if count == 0:
+        return []
+    corners = planes.reshape(4 * count, 2)
+    heights = np.repeat(np.asarray(heights_m, dtype=np.float64), 4)
+    try:
+        hits = view.hits(corners, heights)
+    except PointsAtInfinityError as error:
+        if count == 1:
+            return [error]
+        one_by_one = zip(planes, sizes_m, heights_m, strict=True)
+        return [tag_poses(view, plane[None], [size], [height], noise)[0] for plane, size, height in one_by_one]
+    sizes = np.asarray(sizes_m, dtype=np.float64)
+    points = hits.points.reshape(count, 4, 2)
+    centres = points.mean(axis=1)
+    offsets = points - centres[:, None]
+    squares = tag_corners(1.0) * sizes[:, None, None]
     # Procrustes in the plane: the yaw that turns the square onto the points in the least-squares sense.
-    dot = float((square * offsets).sum())
-    cross = float((square[:, 0] * offsets[:, 1] - square[:, 1] * offsets[:, 0]).sum())
-    yaw = math.atan2(cross, dot)
-    c, s = math.cos(yaw), math.sin(yaw)
-    turned = square @ np.array([[c, s], [-s, c]])
-    misfit_m = float(np.sqrt(np.square(offsets - turned).sum(axis=1).mean()))
-    if misfit_m > noise.max_misfit * size_m:
-        raise NotATagError(f"corners are {misfit_m * 1e3:.1f} mm off a square of {size_m * 1e3:.0f} mm")
+    dot = (squares * offsets).sum(axis=(1, 2))
+    cross = (squares[..., 0] * offsets[..., 1] - squares[..., 1] * offsets[..., 0]).sum(axis=1)
+    yaws = np.arctan2(cross, dot)
+    c, s = np.cos(yaws)[:, None], np.sin(yaws)[:, None]
+    turned = np.empty_like(squares)
+    turned[..., 0] = c * squares[..., 0] - s * squares[..., 1]
+    turned[..., 1] = s * squares[..., 0] + c * squares[..., 1]
+    misfits = np.sqrt(np.square(offsets - turned).sum(axis=2).mean(axis=1))
     # x, y are the mean of the corners; yaw is the mean of their displacements along the tangent, by the lever arm.
-    tangents = np.column_stack([-turned[:, 1], turned[:, 0]]) / float(np.square(square).sum())
-    gain = np.zeros((3, 4, 2))
-    gain[0, :, 0] = gain[1, :, 1] = 0.25
-    gain[2] = tangents
-    per_pixel = hits.jacobians / np.array([view.model.fx, view.model.fy])
-    through = noise.corner_px * np.einsum("aij,ijk->aik", gain, per_pixel).reshape(3, 8)
-    covariance = through @ through.T
-    lean = noise.height_m * hits.slopes.mean(axis=0)
-    covariance[:2, :2] += np.outer(lean, lean)
-    shift = noise.calibration_px * per_pixel.mean(axis=0)
-    covariance[:2, :2] += shift @ shift.T
-    covariance[2, 2] += abs(float(np.linalg.det(shift))) / _CALIBRATION_LEVER_M**2
-    return TagPose(SE2(float(centre[0]), float(centre[1]), yaw), covariance, misfit_m)
+    gain = np.zeros((count, 3, 4, 2))
+    gain[:, 0, :, 0] = gain[:, 1, :, 1] = 0.25
+    lever2 = 2.0 * np.square(sizes)[:, None]
+    gain[:, 2, :, 0], gain[:, 2, :, 1] = -turned[..., 1] / lever2, turned[..., 0] / lever2
+    random, systematic = _covariances(view, corners, heights, hits, gain, noise)
+    covariance = random + systematic
+    return [
+        TagPose(
+            SE2(float(centres[i, 0]), float(centres[i, 1]), float(yaws[i])),
+            covariance[i],
+            systematic[i],
+            float(misfits[i]),
+        )
+        if misfits[i] <= noise.max_misfit * sizes[i]
+        else NotATagError(f"corners are {misfits[i] * 1e3:.1f} mm off a square of {sizes[i] * 1e3:.0f} mm")
+        for i in range(count)
+    ]
+
+
+def _covariances(
+    view: CameraView, corners: Array, heights: Array, hits: PlaneHits, gain: Array, noise: PoseNoise
+) -> tuple[Array, Array]:
+    """The random and the systematic covariance of the poses, (N, 3, 3) each. `gain` (N, 3, 4, 2) is how a pose moves with its
+    corners on the plane."""
+    count = len(gain)
+    distorted, bend = _distortion(view.model, corners)
+    per_pixel = hits.jacobians @ bend / (view.model.fx, view.model.fy)
+    flat = gain.reshape(count, 3, 8)
+    through = noise.corner_px * (gain.transpose(0, 2, 1, 3) @ per_pixel.reshape(count, 4, 2, 2))
+    through = through.transpose(0, 2, 1, 3).reshape(count, 3, 8)
+    random = through @ through.transpose(0, 2, 1)
+    lean = noise.height_m * (flat @ hits.slopes.reshape(count, 8, 1))
+    systematic = lean @ lean.transpose(0, 2, 1)
+    if noise.calibration is None:
+        shift = noise.calibration_px * per_pixel.reshape(count, 4, 2, 2).mean(axis=1)
+        systematic[:, :2, :2] += shift @ shift.transpose(0, 2, 1)
+        systematic[:, 2, 2] += np.abs(np.linalg.det(shift)) / _CALIBRATION_LEVER_M**2
+    else:
+        moved = flat @ _calibration_jacobians(view, distorted, heights, hits, per_pixel).reshape(count, 8, 10)
+        systematic += moved @ noise.calibration @ moved.transpose(0, 2, 1)
+    return random, systematic
+
+
+def _calibration_jacobians(
+    view: CameraView, distorted: Array, heights: Array, hits: PlaneHits, per_pixel: Array
+) -> Array:
+    """How points where rays meet a plane move with the camera's calibration: (N, 2, 10), per rad of its rotation (a left
+    perturbation), metre of its place, pixel of fx, fy, cx, cy.
+
+    A ray that is turned by delta about the camera's centre C meets the plane at P + (1 - slope e_z^T) (delta x (P - C)), slope
+    being P's displacement per metre of height; a pixel (u, v) = (fx x_d + cx, fy y_d + cy) that stays where it is has another
+    x_d, y_d when the lens is another.
+    """
+    jacobians = np.zeros((len(distorted), 2, 10))
+    slope_x, slope_y = hits.slopes[:, 0], hits.slopes[:, 1]
+    away = hits.points - view.T_map_camera.translation[:2]
+    x, y = away[:, 0], away[:, 1]
+    drop = heights - view.T_map_camera.translation[2]
+    jacobians[:, 0, 0], jacobians[:, 0, 1], jacobians[:, 0, 2] = -slope_x * y, drop + slope_x * x, -y
+    jacobians[:, 1, 0], jacobians[:, 1, 1], jacobians[:, 1, 2] = -drop - slope_y * y, slope_y * x, x
+    jacobians[:, 0, 3] = jacobians[:, 1, 4] = 1.0
+    jacobians[:, :, 5] = -hits.slopes
+    jacobians[:, :, 6:8] = -per_pixel * distorted[:, None]
+    jacobians[:, :, 8:10] = -per_pixel
+    return jacobians
+
+
+def _distortion(model: CameraModel, plane: Array) -> tuple[Array, Array]:
+    """Distorted image points (N, 2) of undistorted ones, and the derivatives (N, 2, 2) of the undistorted by the distorted
+    (Brown-Conrady as in OpenCV's documentation; the inverse of the forward model's Jacobian)."""
+    k1, k2, p1, p2, k3 = model.distortion
+    x, y = plane[:, 0], plane[:, 1]
+    xx, yy, xy = x * x, y * y, x * y
+    r2 = xx + yy
+    radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3))
+    slope = 2.0 * (k1 + r2 * (2.0 * k2 + 3.0 * k3 * r2))
+    distorted = np.empty_like(plane)
+    distorted[:, 0] = x * radial + 2.0 * p1 * xy + p2 * (r2 + 2.0 * xx)
+    distorted[:, 1] = y * radial + p1 * (r2 + 2.0 * yy) + 2.0 * p2 * xy
+    along_x = radial + slope * xx + 2.0 * p1 * y + 6.0 * p2 * x
+    along_y = radial + slope * yy + 6.0 * p1 * y + 2.0 * p2 * x
+    across = slope * xy + 2.0 * p1 * x + 2.0 * p2 * y
+    inverse = np.empty((len(plane), 2, 2))
+    inverse[:, 0, 0], inverse[:, 1, 1] = along_y, along_x
+    inverse[:, 0, 1] = inverse[:, 1, 0] = -across
+    inverse /= (along_x * along_y - across * across)[:, None, None]
+    return distorted, inverse
+
+
+def extrinsics_covariance(extrinsics: CameraExtrinsics) -> Array | None:
+    """The (10, 10) covariance that the message carries; None when it carries none. ValueError for another size."""
+    if not extrinsics.covariance:
+        return None
+    rows, columns = np.triu_indices(10)
+    if len(extrinsics.covariance) != len(rows):
+        raise ValueError(
+            f"extrinsics of {extrinsics.camera}: a covariance has {len(rows)} numbers, not {len(extrinsics.covariance)}"
+        )
+    covariance = np.zeros((10, 10))
+    covariance[rows, columns] = covariance[columns, rows] = extrinsics.covariance
+    return covariance
 
 
 def vehicle_pose(tag: SE2, covariance: Array, T_vehicle_tag: SE2) -> tuple[SE2, Array]:
-    """Pose and covariance of the rotation centre of the vehicle that wears the tag; the offset turns yaw noise into
-    position noise."""
+    """Pose and covariance (3, 3), or several (N, 3, 3), of the rotation centre of the vehicle that wears the tag; the offset
+    turns yaw noise into position noise."""
     to_vehicle = T_vehicle_tag.inverse()
     pose = tag @ to_vehicle
     c, s = math.cos(tag.yaw), math.sin(tag.yaw)
@@ -103,8 +221,8 @@ def vehicle_pose(tag: SE2, covariance: Array, T_vehicle_tag: SE2) -> tuple[SE2, 
 
 def upper(covariance: Array) -> Upper:
     """The upper triangle of a (3, 3) covariance."""
-    m = covariance
-    return (float(m[0, 0]), float(m[0, 1]), float(m[0, 2]), float(m[1, 1]), float(m[1, 2]), float(m[2, 2]))
+    (xx, xy, xt), (_, yy, yt), (_, _, tt) = covariance.tolist()
+    return (xx, xy, xt, yy, yt, tt)
 
 
 def from_upper(values: Upper) -> Array:
