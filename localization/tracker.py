@@ -1,6 +1,6 @@
-"""The tracker process: `python -m localization.tracker`. Detections of all cameras in; poses out by UDP and Redis.
+"""The tracker process: `python -m localization.tracker`. Detections of all cameras in; poses out as the lab's `outputs` say.
 
-Robots are told first, then the bus: a slow Redis must not age their poses.
+UDP first, then the bus: a slow Redis must not age the robots' poses.
 """
 
 import argparse
@@ -9,10 +9,10 @@ import contextlib
 import logging
 from collections.abc import Sequence
 
-from localization.robot_poses import RobotPoses
+from localization.outputs import Outputs, UdpSender, outputs_of
 from localization.tracking import DuplicateTag, Tracker
 from protocol.bus import Bus
-from protocol.channels import DETECTIONS, EVENTS, LAB_INSTANCE, POSES, REGISTRATIONS
+from protocol.channels import DETECTIONS, EVENTS, LAB_INSTANCE, REGISTRATIONS
 from protocol.clock import Clock, SystemClock
 from protocol.errors import BusUnavailableError, LabFileError
 from protocol.lab import Lab, load_lab
@@ -30,22 +30,18 @@ _REPORT_EVERY_S = 10.0
 class TrackerService:
     """The I/O around `Tracker`."""
 
-    def __init__(self, lab: Lab, bus: Bus, robots: RobotPoses, clock: Clock) -> None:
-        self._tracker, self._bus, self._robots, self._clock = Tracker(lab), bus, robots, clock
+    def __init__(self, lab: Lab, bus: Bus, outputs: Outputs, clock: Clock) -> None:
+        self._tracker, self._bus, self._outputs, self._clock = Tracker(lab), bus, outputs, clock
         self._reported_s: dict[str, float] = {}
 
     async def run(self) -> None:
         """Until cancelled."""
-        await self._robots.open()
-        try:
-            async for received in self._bus.subscribe(DETECTIONS, REGISTRATIONS):
-                message = received.message
-                if isinstance(message, FrameDetections):
-                    await self._fuse(message)
-                elif isinstance(message, Registration):
-                    await self._robots.register(message)
-        finally:
-            self._robots.close()
+        async for received in self._bus.subscribe(DETECTIONS, REGISTRATIONS):
+            message = received.message
+            if isinstance(message, FrameDetections):
+                await self._fuse(message)
+            elif isinstance(message, Registration):
+                self._outputs.register(message)
 
     async def _fuse(self, frame: FrameDetections) -> None:
         age_s = (self._clock.now_ns() - frame.stamp_ns) * 1e-9
@@ -54,9 +50,8 @@ class TrackerService:
                 _logger.warning("ignored a frame of %s, stamped %.1f s ago", frame.camera, age_s)
             return
         poses = self._tracker.update(frame)
-        self._robots.send(poses)
-        if poses:
-            await self._bus.publish_all(POSES, {pose.vehicle: pose for pose in poses})
+        self._outputs.send(poses)
+        await self._outputs.publish(poses)
         for duplicate in self._tracker.take_duplicates():
             await self._report(duplicate)
 
@@ -82,31 +77,29 @@ class TrackerService:
         return True
 
 
-async def serve(lab: Lab, settings: Settings, rate_hz: float, clock: Clock) -> None:
+async def serve(lab: Lab, settings: Settings, clock: Clock) -> None:
     """Runs the tracker until SIGTERM or SIGINT."""
     bus = Bus.connect(settings.redis_url, clock)
-    service = TrackerService(lab, bus, RobotPoses(clock, settings.udp_key, rate_hz), clock)
     try:
-        await run_until_signal(service.run())
+        with UdpSender(clock) as sender:
+            outputs = outputs_of(lab, bus, sender, clock, settings.udp_key)
+            await run_until_signal(TrackerService(lab, bus, outputs, clock).run(), outputs.run(clock))
     finally:
         await bus.close()
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Settings come from the environment (`protocol.settings`), the rate from the command line."""
+    """Settings come from the environment (`protocol.settings`), outputs and their rates from the lab description."""
     parser = argparse.ArgumentParser(prog="python -m localization.tracker", description=__doc__)
-    parser.add_argument(
-        "--udp-rate-hz", type=float, default=0.0, help="poses per second to each robot (0: every update, the default)"
-    )
-    given = parser.parse_args(arguments)
+    parser.parse_args(arguments)
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(levelname)s %(message)s")
     settings = Settings.from_environment()
-    _logger.info("%s, UDP rate %s", settings, given.udp_rate_hz or "every update")
     try:
         lab = load_lab(settings.lab)
     except LabFileError as error:
         raise SystemExit(str(error)) from None
-    asyncio.run(serve(lab, settings, float(given.udp_rate_hz), SystemClock()))
+    _logger.info("%s, outputs %s", settings, lab.outputs)
+    asyncio.run(serve(lab, settings, SystemClock()))
 
 
 if __name__ == "__main__":
