@@ -97,7 +97,7 @@ def test_what_the_coarse_look_misses_the_finer_one_finds(detector: TagDetector) 
     assert [found.tag_id for found in WindowedSearch(detector).find(image, [guess])] == [10]
 
 
-@given(st.integers(1, 40), st.integers(1, 40), st.sampled_from([1.0, 1.5, 2.0, 3.0]), st.integers(0, 9))
+@given(st.integers(1, 40), st.integers(1, 40), st.sampled_from([1.0, 1.5, 2.0, 3.0, 5.0, 8.0]), st.integers(0, 9))
 def test_images_of_any_size_are_survived(height: int, width: int, decimation: float, seed: int) -> None:
     noise = np.random.default_rng(seed).integers(0, 256, (height, width)).astype(np.uint8)
     assert TagDetector(FAMILIES, known=()).detect(noise, decimation) == []
