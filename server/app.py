@@ -21,6 +21,7 @@ from server.context import Context
 from server.live.hub import LiveHub
 from server.routes import (
     accounts,
+    calibration,
     cameras,
     console,
     emergency_stop,
@@ -36,7 +37,7 @@ from server.routes import (
 from server.security_headers import SecurityHeaders
 from server.status_listener import StatusListener
 
-_ROUTES = (session, lab, robots, robot_side, plan, emergency_stop, cameras, simulation, accounts, live)
+_ROUTES = (session, lab, robots, robot_side, plan, emergency_stop, cameras, calibration, simulation, accounts, live)
 _LARGEST_BODY = 1 << 20
 _RESTART_S = 1.0
 _CANCEL_AGAIN_S = 0.1

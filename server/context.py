@@ -18,6 +18,7 @@ from server.errors import NotFoundError
 from server.live.hub import LiveHub
 from server.live.latch import EmergencyStopLatch
 from server.repositories.assignments import AssignmentRepository
+from server.repositories.calibration import CalibrationRepository
 from server.repositories.documents import Store
 from server.repositories.manual import ManualDriveRepository
 from server.repositories.plan import RouteRepository, WaypointRepository
@@ -53,6 +54,7 @@ class Context:
     emergency_stop: EmergencyStopLatch
     manual: ManualDriveRepository
     objects: SimulatedObjectRepository
+    calibration: CalibrationRepository
 
     @classmethod
     def build(
@@ -89,6 +91,7 @@ class Context:
             emergency_stop=hub.latch,
             manual=ManualDriveRepository(store, clock),
             objects=SimulatedObjectRepository(store, clock),
+            calibration=CalibrationRepository(store, lab, clock),
         )
 
     def vehicle(self, robot: str) -> VehicleSpec:
