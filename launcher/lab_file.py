@@ -21,11 +21,11 @@ def add_lab_file_argument(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--lab", type=Path, metavar="FILE", help="lab description (default: labs/gulliver.yaml)")
 
 
-def read_lab(given: Path | None) -> tuple[Path, Lab]:
-    """The lab file's absolute path and its content; UsageError with a line per problem."""
+def read_lab(given: Path | None, *, recorded: bool = False) -> tuple[Path, Lab]:
+    """The lab file's absolute path and its content; UsageError with a line per problem. `recorded`: see `load_lab`."""
     path = (given or Path(os.environ.get("LILLIPUT_LAB") or DEFAULT_LAB)).resolve()
     try:
-        return path, load_lab(path)
+        return path, load_lab(path, recorded=recorded)
     except LabFileError as error:
         raise UsageError(f"the lab file cannot be used\n{error}") from error
 

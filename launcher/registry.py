@@ -23,6 +23,8 @@ COMMANDS = (
     Command("user", "list, add and remove users of the console, set their passwords"),
     Command("token", "list, issue and revoke API tokens for programs and robots"),
     Command("detect", "find AprilTags in pictures"),
+    Command("localize", "turn recorded videos or pictures of a lab's cameras into poses"),
+    Command("record", "record the cameras of a simulated or running lab"),
     Command("experiment", "run an experiment in the simulated lab and print its figures"),
     Command("test", "run all tests, browser tests included; further arguments go to pytest", takes_rest=True),
     Command("generate", "write the sources that are generated from others (API types of the console)"),

@@ -164,9 +164,13 @@ def _stamps_beside(path: Path) -> list[int] | None:
     for file in (path.with_suffix(_STAMPS_SUFFIX), path.with_name(path.name + _STAMPS_SUFFIX)):
         if file.exists():
             try:
-                return [int(line) for line in file.read_text(encoding="utf-8").split()]
-            except (OSError, ValueError) as error:
-                raise RecordingError(f"{file} should hold one capture time in ns per line: {error}") from error
+                words = file.read_text(encoding="utf-8").split()
+            except (OSError, UnicodeDecodeError) as error:
+                raise RecordingError(f"{file} cannot be read: {error}") from error
+            odd = next((word for word in words if not (word.isascii() and word.isdigit())), None)
+            if odd is not None:
+                raise RecordingError(f"{file} should hold one capture time in ns per line, not {odd[:40]!r}")
+            return [int(word) for word in words]
     return None
 
 
