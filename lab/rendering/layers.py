@@ -30,7 +30,8 @@ _SUN = np.array([0.45, -0.89])
 _SIDE_LIGHT, _SIDE_CONTRAST = 0.62, 0.22
 _SHUTTER_STEP_PX, _COARSE_SHUTTER_STEP_PX = 0.7, 1.5
 """How far a thing moves between two samples of its way while the shutter is open; people's edges are soft already."""
-_SHUTTER_STEPS = 8
+_SHUTTER_STEPS = 40
+"""Enough for 5 m/s under a 4K camera with the shutter open for 4 ms, 17 px, without ghosts of the edges."""
 
 Window = tuple[int, int, int, int]
 """x0, y0, x1, y1 in pixels, the last two exclusive."""

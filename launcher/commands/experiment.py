@@ -8,8 +8,9 @@ from typing import Protocol, cast
 from launcher.errors import UsageError
 from launcher.output import Result, print_result
 
-EXPERIMENTS = ("tracking",)
-"""A name is a module in launcher/experiments with `add_arguments(parser)` and `run(arguments) -> Result`."""
+EXPERIMENTS = ("tracking", "max-speed")
+"""A name is a module in launcher/experiments (hyphens are underscores there) with `add_arguments(parser)` and
+`run(arguments) -> Result`."""
 
 
 class ExperimentModule(Protocol):
@@ -36,4 +37,4 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _module(name: str) -> ExperimentModule:
-    return cast(ExperimentModule, importlib.import_module(f"launcher.experiments.{name}"))
+    return cast(ExperimentModule, importlib.import_module(f"launcher.experiments.{name.replace('-', '_')}"))
