@@ -80,7 +80,12 @@ class CameraPipeline:
         self._known = KnownTags.of(lab)
         self._model = self.spec.model()
         self._calibration = SelfCalibration(
-            camera_id, self._model, self._known, frames=self.options.calibration_frames, stored=extrinsics
+            camera_id,
+            self._model,
+            self._known,
+            frames=self.options.calibration_frames,
+            stored=extrinsics,
+            accuracy=lab.accuracy,
         )
         detector = TagDetector(self._known.families(), self._known.keys())
         self._full = FullSearch(detector, _UNCALIBRATED_SIDE_PX)
@@ -112,12 +117,8 @@ class CameraPipeline:
         """Uses a calibration from outside at once; `floor_tags` (T_map_tag) replace the places where they are expected."""
         self._calibration.adopt(extrinsics, floor_tags)
 
-    def look_again(self) -> None:
-        """Averages the floor tags anew over the next frames; poses go on with the present calibration meanwhile."""
-        self._calibration.look_again()
-
     def recalibrate(self) -> None:
-        """Forgets the calibration and makes a new one from the next frames."""
+        """Calibrates again from the next frames; poses go on with what is in force meanwhile."""
         self._calibration.restart()
 
     @property

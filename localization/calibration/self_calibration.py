@@ -1,7 +1,7 @@
 """A camera finds its own place: extrinsics from the floor tags at the start, and a watch over them afterwards.
 
-Corners are averaged over several frames, so a floor tag's own detection noise hardly counts. A stored result is used at
-once and checked against what is seen; a camera that was moved says so, gives no poses, and calibrates itself again.
+Corners are averaged over several frames, so a floor tag's own detection noise hardly counts. A stored or adopted result is
+used at once and checked against what is seen; a camera that was moved says so, gives no poses, and calibrates itself again.
 """
 
 import math
@@ -12,21 +12,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometry import SE2, CameraModel
-from localization.calibration.extrinsics import MIN_TAGS, ExtrinsicsError, estimate_extrinsics, reprojection_px
+from localization.calibration.covariance import calibration_covariance
+from localization.calibration.drift import DriftWatch
+from localization.calibration.extrinsics import MIN_TAGS, ExtrinsicsError
+from localization.calibration.joint import calibrate, plane_heights_m
 from localization.calibration.sighting import Corners, FloorSighting, averaged
 from localization.detection import TagObservation
-from localization.projection import CameraView, extrinsics_pose
+from localization.projection import CameraView, PointsAtInfinityError, extrinsics_pose, undistort
 from localization.tag_pose import PoseNoise
 from localization.tags import KnownTags, tag_corners
+from protocol.lab import Accuracy
 from protocol.messages import CameraExtrinsics
 
 Array = NDArray[np.float64]
 
-_MOST_MISFIT_M = 0.015
-"""An estimate that leaves the floor tags' corners further off than this is refused: an id, a yaw or a size is wrong."""
-_MOVED_M = 0.006
-"""Floor tags this far from where they should be mean that the camera moved; hand-measured tags are off by less."""
-_MOVED_IN_A_ROW = 3
+_HOLDS_M = 0.003
+_HOLDS_SIGMAS = 3.0
+"""A calibration in force that puts the floor tags this near to where the camera itself would is kept: one of several cameras
+knows better."""
 _SHAKE_PX = 1.0
 _LEAST_NOISE_PX = 0.03
 """The detector's own limit on sharp tags; nothing is surer than that."""
@@ -35,7 +38,8 @@ _PATIENCE = 5
 
 
 class SelfCalibration:
-    """Watches one camera's floor tags and keeps its extrinsics."""
+    """Watches one camera's floor tags and keeps its extrinsics. `stored` is a calibration to begin with; `accuracy` says how
+    well the lab was measured."""
 
     def __init__(
         self,
@@ -45,18 +49,20 @@ class SelfCalibration:
         *,
         frames: int = 10,
         stored: CameraExtrinsics | None = None,
+        accuracy: Accuracy | None = None,
     ) -> None:
         self._camera_id, self._model, self._frames = camera_id, model, frames
-        self._size_m = known.floor_size_m
+        self._size_m, self._heights_m = known.floor_size_m, plane_heights_m(known)
+        self._accuracy = accuracy or Accuracy()
         self._family = next((family for family, _ in known.floor), "")
-        self._expected: Corners = {key[1]: known.floor_corners(key) for key in known.floor}
+        self._places: dict[int, SE2] = {tag: pose for (_, tag), pose in known.floor.items()}
         self._extrinsics: CameraExtrinsics | None = None
         self._view: CameraView | None = None
         self._samples: list[Corners] | None = []
-        self._suspicions = 0
         self._empty_searches = 0
-        self._corner_noise_px: float | None = None
         self._sighting: FloorSighting | None = None
+        self._watch: DriftWatch | None = None
+        self._calibration_px: float | None = None
         self.floor_tags_seen: tuple[int, ...] = ()
         self.problem: str | None = None
         if stored is not None:
@@ -74,56 +80,64 @@ class SelfCalibration:
 
     @property
     def sighting(self) -> FloorSighting | None:
-        """The averaged sighting behind the newest calibration."""
+        """The averaged sighting of the floor tags in the newest calibration or check of one."""
         return self._sighting
 
-    def adopt(self, extrinsics: CameraExtrinsics, floor_tags: Mapping[int, SE2] | None = None) -> None:
-        """Uses extrinsics from outside at once; `floor_tags` (T_map_tag) replace the places where floor tags are expected."""
-        if floor_tags is not None:
-            square = tag_corners(self._size_m)
-            self._expected = {tag: pose.apply(square) for tag, pose in floor_tags.items()}
-        self.problem = None
-        self._use(extrinsics)
+    @property
+    def displaced_m(self) -> dict[int, float]:
+        """Floor tags that no longer lie where they did, though the camera stands still: by how much (m)."""
+        return self._watch.displaced_m if self._watch is not None else {}
 
-    def restart(self) -> None:
-        """Calibrates again from fresh frames."""
-        self._samples, self._suspicions, self._empty_searches = [], 0, 0
-        self._extrinsics, self._view = None, None
-
-    def look_again(self) -> None:
-        """Takes a new sighting of the floor tags from the next frames, while what is in use stays in use; it is replaced only
-        when it does not hold any longer."""
-        self._samples, self._suspicions, self._empty_searches = [], 0, 0
+    @property
+    def notice(self) -> str | None:
+        """What a person should see to, though poses are right: displaced floor tags, in a sentence."""
+        off = [f"floor tag {tag} is {off_m * 1e3:.0f} mm off where it was" for tag, off_m in self.displaced_m.items()]
+        return ", ".join(off) or None
 
     @property
     def noise(self) -> PoseNoise:
-        """What limits poses from this camera, measured on its own floor tags: how much their corners flicker from frame to
-        frame, and how far off the extrinsics put them.
-
-        n misplaced tags give 2n numbers, of which the pose takes 6 up: what is left of their error is (2n - 6) / 2n of its
-        square, so the RMS distance r stands for r sqrt(n / (2n - 6)) per axis."""
+        """What limits poses from this camera: how much its floor tags' corners flicker from frame to frame, and how far off (px)
+        the calibration puts a point of the floor by its own covariance."""
         default = PoseNoise()
-        flicker_px = default.corner_px if self._corner_noise_px is None else self._corner_noise_px
-        off_px = default.calibration_px
-        if self._extrinsics is not None:
-            tags = len(self._extrinsics.floor_tags)
-            off_px = self._extrinsics.reprojection_px * math.sqrt(tags / max(1, 2 * tags - 6))
+        flicker_px = default.corner_px if self._sighting is None else self._sighting.corner_noise_px
+        off_px = default.calibration_px if self._calibration_px is None else self._calibration_px
         return replace(default, corner_px=max(_LEAST_NOISE_PX, flicker_px), calibration_px=max(_LEAST_NOISE_PX, off_px))
 
     @property
     def eager(self) -> bool:
         """Whether the next frame should be searched for floor tags, without waiting for the next regular full search."""
         collecting = self._samples is not None and self._empty_searches < _PATIENCE
-        return collecting or self._suspicions > 0
+        return collecting or (self._watch is not None and self._watch.suspicious)
+
+    def adopt(self, extrinsics: CameraExtrinsics, floor_tags: Mapping[int, SE2] | None = None) -> None:
+        """Uses extrinsics from outside at once; `floor_tags` (T_map_tag) replace the places where floor tags are expected. What
+        the newest sighting contradicts is checked again from fresh frames."""
+        if floor_tags is not None:
+            self._places.update(floor_tags)
+        self.problem = None
+        self._use(extrinsics)
+        if self._sighting is None or not self._explains(self._sighting):
+            self.look_again()
+        else:
+            self._watch = self._watching(self._sighting)
+
+    def look_again(self) -> None:
+        """Averages the floor tags over fresh frames. Poses go on with the calibration in force; it is replaced only when it does
+        not hold."""
+        self._samples, self._watch, self._empty_searches = [], None, 0
+
+    def restart(self) -> None:
+        """Forgets the calibration and makes a new one from fresh frames."""
+        self._forget()
 
     def observe(self, tags: Iterable[TagObservation], stamp_ns: int) -> CameraExtrinsics | None:
-        """Takes the tags of a full search; returns extrinsics when there are new ones."""
+        """Takes the tags of one complete look at the floor tags; returns extrinsics when there are new ones."""
         seen = self._floor_tags(tags)
         self.floor_tags_seen = tuple(sorted(seen))
-        self._empty_searches = 0 if len(seen) >= MIN_TAGS else self._empty_searches + 1
         if self._samples is None:
-            self._watch(seen)
+            self._check(seen)
             return None
+        self._empty_searches = 0 if len(seen) >= MIN_TAGS else self._empty_searches + 1
         if len(seen) < MIN_TAGS:
             if self._extrinsics is None:
                 self.problem = f"not calibrated: sees {len(seen)} floor tags, needs {MIN_TAGS}"
@@ -132,75 +146,112 @@ class SelfCalibration:
         if len(self._samples) < self._frames:
             return None
         samples, self._samples = self._samples, []
-        return self._calibrate(samples, stamp_ns)
+        return self._calibrate(averaged(self._camera_id, stamp_ns, samples))
 
     def _floor_tags(self, tags: Iterable[TagObservation]) -> Corners:
         """Corners of the floor tags; a floor tag seen twice is believed in neither place."""
         seen: Corners = {}
         twice: set[int] = set()
         for tag in tags:
-            if tag.family == self._family and tag.tag_id in self._expected:
+            if tag.family == self._family and tag.tag_id in self._places:
                 if tag.tag_id in seen:
                     twice.add(tag.tag_id)
                 seen[tag.tag_id] = tag.corners
         return {tag_id: corners for tag_id, corners in seen.items() if tag_id not in twice}
 
-    def _calibrate(self, samples: list[Corners], stamp_ns: int) -> CameraExtrinsics | None:
-        sighting = averaged(self._camera_id, stamp_ns, samples)
-        mean, shake_px = sighting.corners, sighting.corner_noise_px
-        if shake_px > _SHAKE_PX:
-            self.problem = f"not calibrated: the picture shakes, floor tags move by {shake_px:.1f} px"
+    def _calibrate(self, sighting: FloorSighting) -> CameraExtrinsics | None:
+        if sighting.corner_noise_px > _SHAKE_PX:
+            self.problem = f"not calibrated: the picture shakes, floor tags move by {sighting.corner_noise_px:.1f} px"
             return None
-        self._corner_noise_px = shake_px
+        name = self._camera_id
         try:
-            estimate = estimate_extrinsics(self._model, mean, self._expected, self._size_m)
-        except ExtrinsicsError as error:
-            self.problem = f"not calibrated: {error}"
-            return None
-        misfit_m = estimate.reprojection_px / self._px_per_m(mean)
-        if misfit_m > _MOST_MISFIT_M:
-            self.problem = (
-                f"not calibrated: floor tags {', '.join(str(tag) for tag in estimate.used)} are {misfit_m * 1e3:.0f} mm off"
-                " where the lab description has them; check their ids, poses and size and the camera's intrinsics"
+            found = calibrate(
+                {name: self._model}, [sighting], self._places, self._size_m, self._accuracy, self._heights_m
             )
+        except ExtrinsicsError as error:
+            self.problem = f"not calibrated: {str(error).removeprefix(f'camera {name}: ')}"
             return None
         self._samples = None
         self.problem = None
         self._sighting = sighting
-        if self._view is not None:
-            stored_px = _median(reprojection_px(self._model, self._view.T_map_camera, mean, self._expected))
-            if stored_px <= max(2.0 * estimate.reprojection_px, estimate.reprojection_px + 0.5):
-                return None  # what was stored still holds
-        rx, ry, rz = (float(v) for v in estimate.T_map_camera.rotvec())
-        x, y, z = (float(v) for v in estimate.T_map_camera.translation)
-        self._use(
-            CameraExtrinsics(
-                self._camera_id, stamp_ns, (rx, ry, rz), (x, y, z), estimate.reprojection_px, estimate.used
-            )
-        )
-        return self._extrinsics
+        extrinsics = found.extrinsics[name]
+        old = self._extrinsics
+        keep = old is not None and bool(old.covariance) and self._agrees(extrinsics, sighting)
+        if not keep:
+            self._use(extrinsics)
+        self._watch = self._watching(sighting)
+        return None if keep else extrinsics
 
-    def _watch(self, seen: Corners) -> None:
-        if self._view is None or len(seen) < MIN_TAGS:
-            self._suspicions = 0
+    def _check(self, seen: Corners) -> None:
+        if self._watch is None:
             return
-        off_px = _median(reprojection_px(self._model, self._view.T_map_camera, seen, self._expected))
-        assert self._extrinsics is not None
-        off_m = (off_px - self._extrinsics.reprojection_px) / self._px_per_m(seen)
-        self._suspicions = self._suspicions + 1 if off_m > _MOVED_M else 0
-        if self._suspicions >= _MOVED_IN_A_ROW:
-            self.problem = f"the camera moved: floor tags are {off_m * 1e3:.0f} mm off; calibrating again"
-            self._extrinsics, self._view = None, None
-            self._samples, self._suspicions = [], 0
+        moved_m = self._watch.moved_m(seen)
+        if moved_m is not None:
+            self.problem = f"the camera moved: floor tags are {moved_m * 1e3:.0f} mm off; calibrating again"
+            self._forget()
+
+    def _forget(self) -> None:
+        self._extrinsics, self._view, self._calibration_px = None, None, None
+        self.look_again()
 
     def _use(self, extrinsics: CameraExtrinsics) -> None:
         self._extrinsics = extrinsics
         self._view = CameraView(self._model, extrinsics_pose(extrinsics))
+        self._calibration_px = _calibration_px(self._view, extrinsics)
 
-    def _px_per_m(self, seen: Mapping[int, Array]) -> float:
-        sides = [np.linalg.norm(c - np.roll(c, 1, axis=0), axis=1).mean() for c in seen.values()]
-        return float(np.mean(sides)) / self._size_m
+    def _watching(self, sighting: FloorSighting) -> DriftWatch:
+        assert self._view is not None
+        square, described = tag_corners(self._size_m), Corners()
+        for tag, place in self._places.items():
+            pixels, meant = self._view.project(np.column_stack([place.apply(square), np.zeros(4)]))
+            if meant.all():
+                described[tag] = pixels
+        return DriftWatch(sighting, described, self._size_m)
+
+    def _limit_m(self) -> float:
+        return max(_HOLDS_M, _HOLDS_SIGMAS * self._accuracy.floor_tag_m)
+
+    def _explains(self, sighting: FloorSighting) -> bool:
+        """Whether most floor tags of the sighting lie where this calibration has them."""
+        assert self._view is not None
+        square = tag_corners(self._size_m)
+        off: list[float] = []
+        for tag in sorted(set(sighting.corners) & set(self._places)):
+            floor = self._on_floor(self._view, sighting.corners[tag])
+            off.append(math.inf if floor is None else _rms(floor - self._places[tag].apply(square)))
+        return len(off) >= MIN_TAGS and float(np.median(off)) < self._limit_m()
+
+    def _agrees(self, extrinsics: CameraExtrinsics, sighting: FloorSighting) -> bool:
+        """Whether the calibration in use and another put the sighting's corners in the same places."""
+        assert self._view is not None
+        other = CameraView(self._model, extrinsics_pose(extrinsics))
+        corners = np.concatenate([sighting.corners[tag] for tag in extrinsics.floor_tags])
+        here, there = self._on_floor(self._view, corners), self._on_floor(other, corners)
+        return here is not None and there is not None and _rms(here - there) < self._limit_m()
+
+    def _on_floor(self, view: CameraView, pixels: Array) -> Array | None:
+        try:
+            return view.hits(undistort(self._model, pixels), 0.0).points
+        except PointsAtInfinityError:
+            return None
 
 
-def _median(values: Mapping[int, float]) -> float:
-    return float(np.median(list(values.values()))) if values else 0.0
+def _calibration_px(view: CameraView, extrinsics: CameraExtrinsics) -> float | None:
+    """How far off (px, per axis) the calibration puts a point of the floor, over the image; None when it does not say."""
+    covariance = calibration_covariance(extrinsics)
+    if covariance is None:
+        return None
+    model = view.model
+    grid = np.array([[u * model.width, v * model.height] for u in (0.1, 0.5, 0.9) for v in (0.1, 0.5, 0.9)])
+    try:
+        slopes = view.calibration_jacobians(grid, 0.0)
+        per_pixel = view.hits(undistort(model, grid), 0.0).jacobians / np.array([model.fx, model.fy])
+    except PointsAtInfinityError:
+        return None
+    spread_m2 = float(np.trace(np.einsum("aij,jk,alk->il", slopes, covariance, slopes))) / (2 * len(grid))
+    m_per_px = math.sqrt(float(np.abs(np.linalg.det(per_pixel)).mean()))
+    return math.sqrt(spread_m2) / m_per_px
+
+
+def _rms(offsets: Array) -> float:
+    return float(np.sqrt(np.square(offsets).sum(axis=1).mean()))

@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 
 from geometry import SE3
 from localization.calibration import ExtrinsicsError, SelfCalibration
-from localization.calibration.extrinsics import estimate_extrinsics
+from localization.calibration.extrinsics import initial_pose
 from localization.detection import TagObservation
 from localization.projection import extrinsics_pose
 from localization.tags import KnownTags
+from protocol.lab import Accuracy
 from protocol.messages import CameraExtrinsics
 from tests.localization.synthetic import MOUNTS, mount, small_lab
 
@@ -77,34 +78,15 @@ def off(extrinsics: CameraExtrinsics | None, T: SE3) -> tuple[float, float]:
     )
 )
 def test_the_pose_comes_back_from_exact_corners(T: SE3) -> None:
-    estimate = estimate_extrinsics(MODEL, seen_from(T), CORNERS, LAB.floor_tags.size_m)
-    assert np.linalg.norm(estimate.T_map_camera.translation - T.translation) < 1e-4
-    assert estimate.T_map_camera.angle_to(T) < 1e-4
-    assert estimate.reprojection_px < 1e-2
-    assert (estimate.used, estimate.rejected) == (IN_VIEW, ())
-
-
-@pytest.mark.parametrize("wrong", IN_VIEW)
-def test_a_misplaced_tag_is_left_out_and_named(wrong: int) -> None:
-    seen = seen_from(TRUTH, noise_px=0.05)
-    elsewhere = CORNERS | {wrong: CORNERS[wrong] + (0.05, -0.03)}
-    estimate = estimate_extrinsics(MODEL, seen, elsewhere, LAB.floor_tags.size_m)
-    assert estimate.rejected == (wrong,)
-    assert np.linalg.norm(estimate.T_map_camera.translation - TRUTH.translation) < 0.01
-
-
-def test_hand_measured_tags_are_all_used() -> None:
-    rng = np.random.default_rng(2)
-    measured = {tag: corners + rng.uniform(-0.003, 0.003, 2) for tag, corners in CORNERS.items()}
-    estimate = estimate_extrinsics(MODEL, seen_from(TRUTH), measured, LAB.floor_tags.size_m)
-    assert estimate.used == IN_VIEW
-    assert estimate.reprojection_px > 0.2
+    pose = initial_pose(MODEL, seen_from(T), CORNERS, IN_VIEW)
+    assert np.linalg.norm(pose.translation - T.translation) < 1e-4
+    assert pose.angle_to(T) < 1e-4
 
 
 def test_one_tag_is_not_enough() -> None:
     seen = seen_from(TRUTH)
     with pytest.raises(ExtrinsicsError, match="sees floor tag 2, needs 2"):
-        estimate_extrinsics(MODEL, {2: seen[2]}, CORNERS, 0.16)
+        initial_pose(MODEL, seen, CORNERS, [2])
     calibration = SelfCalibration("left", MODEL, KNOWN)
     assert calibration.observe(observations(TRUTH, only=(2,)), 1) is None
     assert calibration.problem == "not calibrated: sees 1 floor tags, needs 2"
@@ -121,8 +103,15 @@ def test_the_noise_of_the_corners_is_measured_on_the_floor_tags() -> None:
     for k in range(40):
         calibration.observe(observations(TRUTH, k, noise_px=0.2), k)
     assert calibration.noise.corner_px == pytest.approx(0.2, rel=0.15)
-    assert calibration.extrinsics is not None
-    assert calibration.noise.calibration_px == pytest.approx(max(0.03, calibration.extrinsics.reprojection_px * 2**0.5))
+
+
+@pytest.mark.parametrize("floor_tag_m", [0.0005, 0.003])
+def test_what_a_calibration_leaves_open_follows_from_how_the_room_was_measured(floor_tag_m: float) -> None:
+    accuracy = Accuracy(floor_tag_m=floor_tag_m)
+    calibration = SelfCalibration("left", MODEL, KNOWN, accuracy=accuracy)
+    watch(TRUTH, calibration, 10)
+    px_per_m = MODEL.fx / TRUTH.translation[2]
+    assert calibration.noise.calibration_px == pytest.approx(floor_tag_m * px_per_m, rel=0.4)
 
 
 def test_a_wrong_yaw_in_the_lab_file_is_refused_with_a_hint() -> None:
