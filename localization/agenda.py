@@ -40,12 +40,14 @@ class Agenda:
 
     def unrefined(self, current: Calibration | None, now_ns: int) -> tuple[str, ...]:
         """Cameras that calibrated themselves and are not part of the result in force, once it is time to refine them; none
-        while others may follow, and none that failed already as they are."""
+        while others may follow, and none that failed already as they are. What somebody asked for is theirs to decide."""
         held, usable = self.still_holds(current), self.usable()
         new = [
             sighting
             for sighting in usable
-            if held is None or sighting.camera not in held.cameras or sighting.extrinsics_ns > held.stamp_ns
+            if held is None
+            or sighting.camera not in held.cameras
+            or (sighting.extrinsics_ns > held.stamp_ns and not sighting.request)
         ]
         if not new or self._key(new) == self._failed:
             return ()

@@ -101,7 +101,7 @@ class CalibrationLink:
         if asked and run.id != self._handled:
             self._handled = self._request = run.id
             self._told = self._pipeline.sighting  # what was seen before is no answer
-            self._pipeline.look_again()
+            self._pipeline.recalibrate()
 
     def _tell_sighting(self) -> None:
         sighting, extrinsics = self._pipeline.sighting, self._pipeline.extrinsics

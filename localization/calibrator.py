@@ -59,6 +59,7 @@ class Calibrator:
         self._lab, self._bus, self._clock = lab, bus, clock
         self._agenda, self._store = Agenda(lab), CalibrationStore(bus)
         self._last_id = 0
+        self._before: tuple[int, InUse] | None = None
 
     async def run(self) -> None:
         async with asyncio.TaskGroup() as group:
@@ -100,6 +101,9 @@ class Calibrator:
             await self._refine_by_itself(cameras, stored)
 
     async def _go_on(self, run: CalibrationRun) -> None:
+        if self._before is None or self._before[0] != run.id:
+            # Cameras may take what they find at once: what was in use is remembered from when they were asked.
+            self._before = run.id, self._in_use(await self._store.read())
         now_ns = self._clock.now_ns()
         answered = self._agenda.answered(run)
         if not self._agenda.is_collected(run, now_ns):
@@ -113,13 +117,12 @@ class Calibrator:
         run = run.model_copy(update={"answered": answered, "state": RunState.REFINING, "stamp_ns": now_ns})
         if not await self._say(run):
             return
-        stored = await self._store.read()
         try:
             refined = await self._refine(run.id, run.by)
         except ExtrinsicsError as error:
             await self._fail(run, str(error))
             return
-        before = self._in_use(stored)
+        before = self._before[1]
         proposal = CalibrationProposal(
             calibration=refined.calibration,
             cameras=compare_cameras(self._lab, refined.sightings, answered, before, refined.joint),

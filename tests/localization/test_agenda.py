@@ -47,6 +47,10 @@ def test_only_a_camera_that_found_its_place_after_the_result_came_into_force_is_
     assert agenda(left=NOW - 30 * S, right=NOW - 10 * S).unrefined(known, NOW) == ("right",)
     assert agenda(left=NOW - 30 * S, right=NOW - 30 * S).unrefined(calibration(NOW, "left"), NOW) == ("right",)
 
+    asked = agenda(left=NOW - 30 * S)
+    asked.sightings["right"] = message(sighting("right", NOW - 5 * S), NOW - 5 * S, request=7)
+    assert asked.unrefined(known, NOW) == (), "a person decides about it"
+
 
 def test_a_result_holds_as_far_as_the_lab_description_is_the_same() -> None:
     known = calibration(NOW, "left", "right")
