@@ -4,7 +4,7 @@ An instant is a run of neighbouring frames, at most one per camera; its frames c
 needed to know where to look in another. Memory holds one instant and one frame per camera.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Sequence
 from concurrent.futures import Executor, Future
 from dataclasses import dataclass
 from itertools import pairwise
@@ -26,7 +26,7 @@ class RecordedFrame:
     problem: str = ""
 
 
-def instants(cameras: Sequence[RecordedCamera], executor: Executor) -> Iterator[list[RecordedFrame]]:
+def instants(cameras: Sequence[RecordedCamera], executor: Executor) -> Generator[list[RecordedFrame], None, None]:
     """All frames, in the order of capture time (then of `cameras`). RecordingError for a frame of another size than the lab
     file's and for a video that does not open."""
     window_ns = _window_ns(cameras)
