@@ -6,12 +6,11 @@ units in its snake_case keys, `published` holds the same keys where a report giv
 
 import json
 import sys
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, TextIO
 
-from launcher.paths import ROOT
+from protocol.version import project_version
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,12 +51,6 @@ def print_result(result: Result, *, as_json: bool, stream: TextIO | None = None)
 def progress(text: str) -> None:
     """Tells people what goes on; always on stderr, so that stdout holds the result alone."""
     print(text, file=sys.stderr, flush=True)
-
-
-def project_version() -> str:
-    """The version in pyproject.toml."""
-    with (ROOT / "pyproject.toml").open("rb") as file:
-        return str(tomllib.load(file)["project"]["version"])
 
 
 def _plain(value: object) -> str:

@@ -13,10 +13,11 @@ import pytest
 from launcher.cli import main
 from launcher.commands.test import from_root, names_tests
 from launcher.errors import LauncherError, UsageError
-from launcher.output import Result, project_version
+from launcher.output import Result
 from launcher.paths import ROOT
 from launcher.processes import PROCESSES
 from launcher.registry import COMMANDS, Command
+from protocol.version import project_version
 
 
 def lilliput(*arguments: str, cwd: Path = ROOT, **environment: str) -> subprocess.CompletedProcess[str]:
