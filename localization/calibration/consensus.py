@@ -1,19 +1,22 @@
 """Which floor tags to believe: a tag that was entered wrongly, or kicked, must not bend the cameras.
 
-A tag is suspected by trying: the adjustment is repeated with one tag's measured place given up at a time (its corners go on
-tying cameras together), and with one camera's sight of a tag taken out. What makes the rest agree far better, and lies where no
+What is grossly wrong (ids swapped, numbers of another room) is found first: each pair of a camera's tags gives a pose, and the
+pair counts that most of the camera's tags agree with (RANSAC, Fischler and Bolles 1981, with every sample there is). A tag that
+is wrong by less is found by trying: the adjustment is repeated with one suspect's measured place given up (its corners go on
+tying cameras together), or with one camera's sight of a tag taken out. What makes the rest agree far better, and lies where no
 hand-measuring error reaches, is left out.
 """
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
 
 from geometry import SE2, SE3, angle_difference
 from localization.calibration.adjustment import Adjusted, Adjustment, SeenTags
-from localization.calibration.extrinsics import MIN_TAGS, ExtrinsicsError, initial_pose, rms_px
+from localization.calibration.extrinsics import MIN_TAGS, ExtrinsicsError, initial_pose, reprojection_px, rms_px
 from localization.tags import tag_corners
 from protocol.lab import Accuracy
 
@@ -49,7 +52,8 @@ class Consensus:
 def agree(cameras: Sequence[SeenTags], measured: Mapping[int, SE2], size_m: float, accuracy: Accuracy) -> Consensus:
     """Adjusts one connected group of cameras with as many of its floor tags as agree. ExtrinsicsError when there is no pose."""
     hypothesis = _Hypothesis(tuple(cameras), measured, size_m, accuracy)
-    best = hypothesis.solved(frozenset(), frozenset())
+    best = hypothesis.solved(*hypothesis.gross())
+    best = hypothesis.without_false_suspicions(best)
     while True:
         better = hypothesis.better_than(best)
         if better is None:
@@ -77,6 +81,44 @@ class _Hypothesis:
                     f"the floor tags put camera {camera} below the floor; are their ids and yaws right?"
                 )
         return Consensus(adjusted, cameras, free, dropped)
+
+    def gross(self) -> tuple[frozenset[int], frozenset[tuple[str, int]]]:
+        """Tags that no camera finds anywhere near where they were measured, and sights of tags that other cameras find there."""
+        agreeing = {camera.camera: self._agreeing(camera) for camera in self.cameras}
+        confirmed = frozenset[int]().union(*agreeing.values())
+        seen = {(camera.camera, tag) for camera in self.cameras for tag in camera.tags}
+        free = frozenset(tag for _, tag in seen if tag not in confirmed)
+        dropped = frozenset((name, tag) for name, tag in seen if tag in confirmed and tag not in agreeing[name])
+        return (free, dropped) if self._enough(free, dropped) else (frozenset[int](), frozenset[tuple[str, int]]())
+
+    def without_false_suspicions(self, best: Consensus) -> Consensus:
+        """With the tags believed again that the adjustment puts where they were measured after all."""
+        places = best.adjusted.room.tags
+        off_m = {tag: _off_m(_difference(self.measured[tag], places[tag])) for tag in best.free}
+        wrong = frozenset(tag for tag in best.free if off_m[tag] >= _OUTLIER_M)
+        return best if wrong == best.free else self.solved(wrong, best.dropped)
+
+    def _agreeing(self, camera: SeenTags) -> frozenset[int]:
+        """The tags of the largest set that one pose explains, to within what is not grossly wrong."""
+        square = tag_corners(self.size_m)
+        expected = {tag: self.measured[tag].apply(square) for tag in camera.tags}
+        corners, best = camera.corners, (frozenset[int](), np.inf)
+        for tags in (camera.tags, *combinations(camera.tags, MIN_TAGS)):
+            try:
+                pose = initial_pose(camera.model, corners, expected, tags)
+            except ExtrinsicsError:
+                continue
+            off_m = {
+                tag: px * self.size_m / _side_px(corners[tag])
+                for tag, px in reprojection_px(camera.model, pose, corners, expected).items()
+            }
+            near = frozenset(tag for tag in camera.tags if off_m[tag] < _GROSS_M)
+            total = sum(off_m[tag] for tag in near)
+            if (len(near), -total) > (len(best[0]), -best[1]):
+                best = (near, total)
+            if len(near) == len(camera.tags):
+                break
+        return best[0]
 
     def _start(self, camera: SeenTags, free: frozenset[int]) -> SE3:
         square = tag_corners(self.size_m)
@@ -181,6 +223,10 @@ def _without(camera: SeenTags, dropped: frozenset[tuple[str, int]]) -> SeenTags:
         return camera
     image = np.concatenate([camera.corners[tag] for tag in kept]) if kept else np.empty((0, 2))
     return replace(camera, tags=kept, image=image)
+
+
+def _side_px(corners: Array) -> float:
+    return float(np.linalg.norm(corners - np.roll(corners, 1, axis=0), axis=1).mean())
 
 
 def _difference(measured: SE2, place: SE2) -> Array:

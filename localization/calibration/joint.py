@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from geometry import SE2, SE3, CameraModel
 from localization.calibration.adjustment import SeenTags
 from localization.calibration.consensus import Consensus, agree
-from localization.calibration.covariance import upper_triangle
 from localization.calibration.extrinsics import MIN_TAGS, ExtrinsicsError, listed, rms_px
 from localization.calibration.nominal import nominal_pose
 from localization.calibration.sighting import FloorSighting
@@ -172,4 +171,12 @@ def extrinsics_message(
     """The message of T_map_camera with its covariance (10, 10)."""
     rx, ry, rz = (float(v) for v in pose.rotvec())
     x, y, z = (float(v) for v in pose.translation)
-    return CameraExtrinsics(camera, stamp_ns, (rx, ry, rz), (x, y, z), off_px, tags, upper_triangle(covariance))
+    return CameraExtrinsics(
+        camera,
+        stamp_ns,
+        (rx, ry, rz),
+        (x, y, z),
+        off_px,
+        tags,
+        tuple(float(v) for v in covariance[np.triu_indices(10)]),
+    )

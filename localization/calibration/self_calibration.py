@@ -12,14 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometry import SE2, CameraModel
-from localization.calibration.covariance import calibration_covariance
 from localization.calibration.drift import DriftWatch
 from localization.calibration.extrinsics import MIN_TAGS, ExtrinsicsError
 from localization.calibration.joint import calibrate, plane_heights_m
 from localization.calibration.sighting import Corners, FloorSighting, averaged
 from localization.detection import TagObservation
 from localization.projection import CameraView, PointsAtInfinityError, extrinsics_pose, undistort
-from localization.tag_pose import PoseNoise
+from localization.tag_pose import PoseNoise, extrinsics_covariance
 from localization.tags import KnownTags, tag_corners
 from protocol.lab import Accuracy
 from protocol.messages import CameraExtrinsics
@@ -238,7 +237,7 @@ class SelfCalibration:
 
 def _calibration_px(view: CameraView, extrinsics: CameraExtrinsics) -> float | None:
     """How far off (px, per axis) the calibration puts a point of the floor, over the image; None when it does not say."""
-    covariance = calibration_covariance(extrinsics)
+    covariance = extrinsics_covariance(extrinsics)
     if covariance is None:
         return None
     model = view.model

@@ -3,13 +3,14 @@
 import math
 
 import cv2
+import msgspec
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from geometry import SE3
+from geometry import SE2, SE3
 from localization.calibration import ExtrinsicsError, SelfCalibration
 from localization.calibration.extrinsics import initial_pose
 from localization.detection import TagObservation
@@ -156,14 +157,117 @@ def test_a_moved_camera_says_so_and_finds_its_place_again() -> None:
     assert calibration.problem is None
 
 
-def test_one_tag_that_was_kicked_does_not_move_the_camera() -> None:
+@pytest.mark.parametrize(
+    "bumped",
+    [
+        mount(0.77, 0.5, 2.2, 0.02, 0.015, -0.01),
+        mount(0.75, 0.5, 2.18, 0.02, 0.015, -0.01),
+        mount(0.75, 0.5, 2.2, 0.03, 0.015, -0.01),
+        mount(0.75, 0.5, 2.2, 0.02, 0.015 + math.radians(0.15), -0.01),
+    ],
+    ids=["2 cm aside", "2 cm down", "turned 0.6 degrees", "tilted 0.15 degrees"],
+)
+def test_small_bumps_are_noticed_within_three_looks_however_badly_the_tags_were_measured(bumped: SE3) -> None:
+    rng = np.random.default_rng(5)
+    text = small_lab().model_dump()
+    text["floor_tags"]["poses"] = {
+        tag: (x + rng.uniform(-0.005, 0.005), y + rng.uniform(-0.005, 0.005), yaw)
+        for tag, (x, y, yaw) in LAB.floor_tags.poses.items()
+    }
+    measured = KnownTags.of(type(LAB).model_validate(text))
+    calibration = SelfCalibration("left", MODEL, measured, accuracy=Accuracy(floor_tag_m=0.003))
+    assert len(watch(TRUTH, calibration, 10)) == 1
+    watch(TRUTH, calibration, 100, seed=100)
+    assert calibration.extrinsics is not None
+    watch(bumped, calibration, 3, seed=300)
+    assert calibration.extrinsics is None
+    assert calibration.problem is not None
+    assert calibration.problem.startswith("the camera moved")
+
+
+def test_one_tag_that_was_kicked_is_named_and_does_not_move_the_camera() -> None:
     calibration = calibrated()
+    px_per_m = MODEL.fx / TRUTH.translation[2]
     for k in range(5):
         tags = observations(TRUTH, k)
-        kicked = TagObservation("tag36h11", 3, tags[3].corners + 20.0, 80.0, 0)
+        kicked = TagObservation("tag36h11", 3, tags[3].corners + np.array([0.04 * px_per_m, 0.0]), 80.0, 0)
         calibration.observe([*tags[:3], kicked], k)
     assert calibration.extrinsics is not None
     assert calibration.problem is None
+    assert list(calibration.displaced_m) == [3]
+    assert calibration.displaced_m[3] == pytest.approx(0.04, rel=0.05)
+    assert calibration.notice in {f"floor tag 3 is {mm} mm off where it was" for mm in (39, 40, 41)}
+    watch(TRUTH, calibration, 1)
+    assert calibration.notice is None, "somebody put it back"
+
+
+def test_covered_floor_tags_are_no_alarm() -> None:
+    calibration = calibrated()
+    for k in range(30):
+        calibration.observe(observations(TRUTH, k, only=(1, 2)), k)
+    assert not calibration.eager
+    for k in range(30):
+        calibration.observe(observations(TRUTH, k, only=(2,)), k)
+    assert not calibration.eager, "it looked again for a while, in vain"
+    assert calibration.extrinsics is not None
+    assert calibration.problem is None
+
+
+def test_a_camera_that_lost_its_floor_tags_looks_at_the_whole_picture() -> None:
+    calibration = calibrated()
+    calibration.observe([], 1)
+    assert calibration.eager
+
+
+def test_what_is_adopted_holds_at_once() -> None:
+    calibration = calibrated()
+    own = calibration.extrinsics
+    assert own is not None
+    assert calibration.sighting is not None
+    x, y, z = own.translation
+    better = msgspec.structs.replace(own, translation=(x + 0.001, y, z), stamp_ns=99)
+    calibration.adopt(better)
+    assert calibration.extrinsics is better
+    assert calibration.view is not None
+    assert calibration.view.T_map_camera.translation[0] == pytest.approx(x + 0.001)
+    assert not calibration.eager
+    watch(TRUTH, calibration, 20)
+    assert calibration.extrinsics is better
+
+
+def test_adopting_what_the_newest_picture_contradicts_is_checked_and_corrected() -> None:
+    calibration = calibrated()
+    own = calibration.extrinsics
+    assert own is not None
+    x, y, z = own.translation
+    calibration.adopt(msgspec.structs.replace(own, translation=(x + 0.1, y, z), stamp_ns=99))
+    assert calibration.eager
+    (found,) = watch(TRUTH, calibration, 10)
+    assert off(found, TRUTH)[0] < 0.002
+
+
+def test_adopted_floor_tags_are_where_later_calibrations_expect_them() -> None:
+    calibration = calibrated()
+    own = calibration.extrinsics
+    assert own is not None
+    moved = {tag: SE2(x + 0.5, y - 0.25, yaw) for tag, (x, y, yaw) in LAB.floor_tags.poses.items()}
+    x, y, z = own.translation
+    calibration.adopt(msgspec.structs.replace(own, translation=(x + 0.5, y - 0.25, z)), moved)
+    assert not calibration.eager, "picture, place and floor tags agree"
+    calibration.restart()
+    assert calibration.extrinsics is None
+    (found,) = watch(TRUTH, calibration, 10)
+    np.testing.assert_allclose(found.translation, TRUTH.translation + np.array([0.5, -0.25, 0.0]), atol=0.002)
+
+
+def test_looking_again_gives_a_new_sighting_and_keeps_a_calibration_that_holds() -> None:
+    calibration = calibrated()
+    own, first = calibration.extrinsics, calibration.sighting
+    calibration.look_again()
+    assert calibration.extrinsics is own
+    assert watch(TRUTH, calibration, 10, seed=70) == []
+    assert calibration.extrinsics is own
+    assert calibration.sighting is not first
 
 
 def test_a_shaking_picture_is_not_calibrated_from() -> None:
