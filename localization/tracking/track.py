@@ -4,14 +4,16 @@ A measurement that comes late (another camera's, of an earlier instant) is put w
 filtered again; so cameras are fused by covariance, and the result does not depend on who was faster.
 """
 
-from bisect import bisect_right
 from dataclasses import dataclass
 from enum import StrEnum
+from itertools import takewhile
 
 import numpy as np
 from numpy.typing import NDArray
 
-from localization.tracking.motion import Agility, State, correct, innovation, predict, start
+from localization.tracking.filter import Innovation, State, correct, distance2, innovation, predict, start
+from localization.tracking.motion import Agility
+from localization.tracking.sight import Sight
 from protocol.lab import Limits
 
 Array = NDArray[np.float64]
@@ -30,16 +32,6 @@ _STALE_S = 0.15
 _AGREEING = 2
 """So many refused sights must agree with each other before they are believed."""
 _SAME_PLACE_M = 0.15
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Sight:
-    """A vehicle's pose (3,) with covariance (3, 3) as one camera saw it at a capture time."""
-
-    camera: str
-    stamp_ns: int
-    pose: Array
-    covariance: Array
 
 
 class Verdict(StrEnum):
@@ -76,7 +68,8 @@ class Track:
         if not self._steps:
             return ()
         since_ns = self._steps[-1].sight.stamp_ns - within_s * 1e9
-        return tuple(sorted({step.sight.camera for step in self._steps if step.sight.stamp_ns >= since_ns}))
+        recent = takewhile(lambda step: step.sight.stamp_ns >= since_ns, reversed(self._steps))
+        return tuple(sorted({step.sight.camera for step in recent}))
 
     def at(self, stamp_ns: int) -> State | None:
         """The state predicted to a time; None when the track is lost by then."""
@@ -88,11 +81,8 @@ class Track:
     def distance2(self, sight: Sight) -> float | None:
         """Squared Mahalanobis distance of a sight from the track, with what cameras may disagree by allowed for; None when
         there is no track to compare with."""
-        before = self._before(sight.stamp_ns)
-        if before is None or sight.stamp_ns - before.stamp_ns > LOST_AFTER_S * 1e9:
-            return None
-        predicted = predict(before, sight.stamp_ns, self._agility)
-        return innovation(predicted, sight.pose, sight.covariance + _DISAGREEMENT).distance2
+        seen = self._compared(self._index(sight.stamp_ns), sight)
+        return None if seen is None else distance2(seen, _DISAGREEMENT)
 
     def add(self, sight: Sight) -> Verdict:
         """Fuses a sight, or starts (again) with it, or refuses it."""
@@ -100,39 +90,60 @@ class Track:
         ahead_s = 0.0 if newest is None else (sight.stamp_ns - newest.stamp_ns) * 1e-9
         if newest is None or ahead_s > LOST_AFTER_S or ahead_s < -_CLOCK_SET_BACK_S:
             return self._begin([sight])
-        if any(step.sight.camera == sight.camera and step.sight.stamp_ns == sight.stamp_ns for step in self._steps):
+        index = self._index(sight.stamp_ns)
+        if self._knows(sight, index):
             return Verdict.KNOWN
-        distance2 = self.distance2(sight)
-        if distance2 is None:
+        seen = self._compared(index, sight)
+        if seen is None:
             return Verdict.TOO_OLD
-        if distance2 > _GATE:
+        if distance2(seen, _DISAGREEMENT) > _GATE:
             return self._refuse(sight)
-        self._insert(sight)
+        self._insert(index, _Step(sight, correct(seen)))
         self._refused = []
         return Verdict.FUSED
 
-    def _before(self, stamp_ns: int) -> State | None:
-        index = bisect_right(self._steps, stamp_ns, key=lambda step: step.sight.stamp_ns)
-        return self._steps[index - 1].state if index else None
+    def _index(self, stamp_ns: int) -> int:
+        """Where a sight of that time belongs: behind all that are not newer. Sought from the end: late is late by little."""
+        index = len(self._steps)
+        while index and self._steps[index - 1].sight.stamp_ns > stamp_ns:
+            index -= 1
+        return index
+
+    def _knows(self, sight: Sight, index: int) -> bool:
+        same = takewhile(lambda step: step.sight.stamp_ns == sight.stamp_ns, reversed(self._steps[:index]))
+        return any(step.sight.camera == sight.camera for step in same)
+
+    def _compared(self, index: int, sight: Sight) -> Innovation | None:
+        """The sight against the state before it; None when there is none."""
+        if index == 0:
+            return None
+        before = self._steps[index - 1].state
+        if sight.stamp_ns - before.stamp_ns > LOST_AFTER_S * 1e9:
+            return None
+        return innovation(predict(before, sight.stamp_ns, self._agility), sight)
 
     def _begin(self, sights: list[Sight]) -> Verdict:
-        first = sights[0]
-        self._steps = [_Step(first, start(first.stamp_ns, first.pose, first.covariance, self._limits))]
+        first, *others = sights
+        self._steps = [_Step(first, start(first, self._limits))]
         self._refused = []
-        for sight in sights[1:]:
-            self._insert(sight)
+        for sight in others:
+            self._append(sight)
         return Verdict.STARTED
 
-    def _insert(self, sight: Sight) -> None:
-        index = bisect_right(self._steps, sight.stamp_ns, key=lambda step: step.sight.stamp_ns)
-        again = [sight, *(step.sight for step in self._steps[index:])]
-        del self._steps[index:]
-        for each in again:
-            predicted = predict(self._steps[-1].state, each.stamp_ns, self._agility)
-            self._steps.append(_Step(each, correct(predicted, innovation(predicted, each.pose, each.covariance))))
+    def _insert(self, index: int, step: _Step) -> None:
+        """Puts a step where it belongs and filters what followed it again."""
+        again = self._steps[index:]
+        self._steps[index:] = [step]
+        for later in again:
+            self._append(later.sight)
         oldest_ns = self._steps[-1].sight.stamp_ns - _HISTORY_S * 1e9
-        keep = next(i for i, step in enumerate(self._steps) if step.sight.stamp_ns >= oldest_ns)
-        del self._steps[:keep]
+        if self._steps[0].sight.stamp_ns < oldest_ns:
+            keep = next(i for i, kept in enumerate(self._steps) if kept.sight.stamp_ns >= oldest_ns)
+            del self._steps[:keep]
+
+    def _append(self, sight: Sight) -> None:
+        predicted = predict(self._steps[-1].state, sight.stamp_ns, self._agility)
+        self._steps.append(_Step(sight, correct(innovation(predicted, sight))))
 
     def _refuse(self, sight: Sight) -> Verdict:
         """Sights that agree with each other outvote a track that nobody confirms any more: the vehicle was carried away."""

@@ -4,7 +4,6 @@ Pure: no clock, no I/O. Two tags with one id are reported and never averaged; wh
 """
 
 import logging
-import math
 from collections import deque
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -12,11 +11,12 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from geometry import SE2
-from localization.tag_pose import from_upper, upper, vehicle_pose
+from localization.tag_pose import upper
 from localization.tags import KnownTags, TagKey
-from localization.tracking.motion import State, map_velocity
-from localization.tracking.track import Sight, Track, Verdict
+from localization.tracking.filter import State
+from localization.tracking.motion import TURN, map_acceleration, map_velocity
+from localization.tracking.sight import Sight, is_usable, sight_of
+from localization.tracking.track import LOST_AFTER_S, Track, Verdict
 from protocol.lab import Lab, VehicleSpec
 from protocol.messages import Detection, FrameDetections, TrackedPose
 
@@ -48,6 +48,25 @@ class DuplicateTag:
         )
 
 
+@dataclass(frozen=True, slots=True)
+class TrackTransition:
+    """A vehicle came to be tracked, or is not any longer. `stamp_ns` is when it was first (last) seen, `place` where (x, y in
+    metres, map frame)."""
+
+    vehicle: str
+    stamp_ns: int
+    tracked: bool
+    place: tuple[float, float]
+
+    def __str__(self) -> str:
+        x, y = self.place
+        return (
+            f"{self.vehicle} is tracked at ({x:.2f}, {y:.2f})"
+            if self.tracked
+            else (f"{self.vehicle} is lost, last seen at ({x:.2f}, {y:.2f})")
+        )
+
+
 class Tracker:
     """Fuses `FrameDetections` of any camera, in any order, into poses of vehicles."""
 
@@ -58,6 +77,8 @@ class Tracker:
         for _, polygon in self._areas:
             shapely.prepare(polygon)
         self._duplicates: deque[DuplicateTag] = deque(maxlen=_MOST_REPORTS)
+        self._tracked: set[str] = set()
+        self._transitions: deque[TrackTransition] = deque(maxlen=_MOST_REPORTS)
 
     def update(self, frame: FrameDetections) -> list[TrackedPose]:
         """Takes one camera's frame; returns the new poses of the vehicles whose tracks it changed, each at the capture time
@@ -67,7 +88,11 @@ class Tracker:
             sight = self._chosen(vehicle, detections, frame)
             if sight is None:
                 continue
+            before = self._tracks[vehicle.id].newest
             verdict = self._tracks[vehicle.id].add(sight)
+            if verdict is Verdict.STARTED:
+                self._lose(vehicle.id, before)
+                self._find(vehicle.id, sight)
             if verdict in (Verdict.STARTED, Verdict.FUSED):
                 changed.append(self._published(vehicle.id))
             elif verdict is Verdict.REFUSED:
@@ -79,17 +104,41 @@ class Tracker:
         state = self._tracks[vehicle_id].at(stamp_ns)
         return None if state is None else self._message(vehicle_id, state)
 
+    def expire(self, now_ns: int) -> None:
+        """Notes which vehicles are lost by now: not seen for LOST_AFTER_S. To be called now and then, since what is lost sends no
+        frames that would tell."""
+        for vehicle_id in tuple(self._tracked):
+            state = self._tracks[vehicle_id].newest
+            if state is not None and now_ns - state.stamp_ns > LOST_AFTER_S * 1e9:
+                self._lose(vehicle_id, state)
+
+    def take_transitions(self) -> list[TrackTransition]:
+        """The vehicles lost and found since the last call, in that order. One that is seen again somewhere else, too far away to
+        have driven there, is lost and found."""
+        taken = list(self._transitions)
+        self._transitions.clear()
+        return taken
+
     def take_duplicates(self) -> list[DuplicateTag]:
         """The reports of doubled ids since the last call."""
         taken = list(self._duplicates)
         self._duplicates.clear()
         return taken
 
+    def _lose(self, vehicle_id: str, state: State | None) -> None:
+        if state is not None and vehicle_id in self._tracked:
+            self._tracked.discard(vehicle_id)
+            self._transitions.append(TrackTransition(vehicle_id, state.stamp_ns, False, _place(state.mean)))
+
+    def _find(self, vehicle_id: str, sight: Sight) -> None:
+        self._tracked.add(vehicle_id)
+        self._transitions.append(TrackTransition(vehicle_id, sight.stamp_ns, True, _place(sight.pose)))
+
     def _by_vehicle(self, frame: FrameDetections) -> list[tuple[VehicleSpec, list[Detection]]]:
         found: dict[TagKey, list[Detection]] = {}
         for detection in frame.detections:
             key = detection.family, detection.tag_id
-            if key not in self._known.vehicles or not _usable(detection):
+            if key not in self._known.vehicles or not is_usable(detection):
                 _logger.debug("ignored tag %d of %s", detection.tag_id, frame.camera)
                 continue
             found.setdefault(key, []).append(detection)
@@ -97,7 +146,7 @@ class Tracker:
 
     def _chosen(self, vehicle: VehicleSpec, detections: list[Detection], frame: FrameDetections) -> Sight | None:
         """The sight to believe. Of several tags with one id the one on the track; without a track none of them."""
-        sights = [_sight(vehicle, detection, frame) for detection in detections]
+        sights = [sight_of(vehicle, detection, frame) for detection in detections]
         if len(sights) == 1:
             return sights[0]
         first, *others = sights
@@ -118,9 +167,7 @@ class Tracker:
             self._report(vehicle, sight.camera, sight.stamp_ns, state.mean, sight.pose)
 
     def _report(self, vehicle: VehicleSpec, camera: str, stamp_ns: int, a: Iterable[float], b: Iterable[float]) -> None:
-        (ax, ay, *_), (bx, by, *_) = a, b
-        places = ((float(ax), float(ay)), (float(bx), float(by)))
-        self._duplicates.append(DuplicateTag(vehicle.id, vehicle.tag.id, camera, stamp_ns, places))
+        self._duplicates.append(DuplicateTag(vehicle.id, vehicle.tag.id, camera, stamp_ns, (_place(a), _place(b))))
 
     def _published(self, vehicle_id: str) -> TrackedPose:
         state = self._tracks[vehicle_id].newest
@@ -128,8 +175,9 @@ class Tracker:
         return self._message(vehicle_id, state)
 
     def _message(self, vehicle_id: str, state: State) -> TrackedPose:
-        x, y, yaw = (float(value) for value in state.mean[:3])
-        vx, vy = map_velocity(state)
+        x, y, yaw = state.mean[:3].tolist()
+        vx, vy = map_velocity(state.mean)
+        ax, ay = map_acceleration(state.mean)
         return TrackedPose(
             vehicle=vehicle_id,
             stamp_ns=state.stamp_ns,
@@ -138,25 +186,18 @@ class Tracker:
             yaw=yaw,
             vx=vx,
             vy=vy,
-            yaw_rate=float(state.mean[5]),
+            yaw_rate=float(state.mean[TURN]),
             covariance=upper(state.covariance[:3, :3]),
             cameras=self._tracks[vehicle_id].cameras(_TOGETHER_S),
+            ax=ax,
+            ay=ay,
             area=next((name for name, polygon in self._areas if shapely.intersects_xy(polygon, x, y)), None),
         )
 
 
-def _sight(vehicle: VehicleSpec, detection: Detection, frame: FrameDetections) -> Sight:
-    pose, covariance = vehicle_pose(
-        SE2(detection.x, detection.y, detection.yaw), from_upper(detection.covariance), vehicle.tag.pose_on_vehicle()
-    )
-    return Sight(frame.camera, frame.stamp_ns, np.array([pose.x, pose.y, pose.yaw]), covariance)
-
-
-def _usable(detection: Detection) -> bool:
-    """Finite, and with a covariance that is one."""
-    if not all(math.isfinite(v) for v in (detection.x, detection.y, detection.yaw, *detection.covariance)):
-        return False
-    return float(np.linalg.eigvalsh(from_upper(detection.covariance))[0]) > 0.0
+def _place(pose: Iterable[float]) -> tuple[float, float]:
+    x, y, *_ = pose
+    return float(x), float(y)
 
 
 def _apart(a: Sight, b: Sight) -> float:
