@@ -32,11 +32,13 @@ _SLOTS = 4
 @dataclass(frozen=True, slots=True, eq=False)
 class Frame:
     """An image with its capture time (ns since the epoch) and number. `pixels` has shape (height, width) for grey or
-    (height, width, 3) for BGR, dtype uint8."""
+    (height, width, 3) for BGR, dtype uint8. `decode_ms` is how long it took to make them from what the camera sent, 0 where
+    nothing was to be decoded or the time is not known."""
 
     number: int
     stamp_ns: int
     pixels: NDArray[np.uint8]
+    decode_ms: float = 0.0
 
 
 class FrameWriter:

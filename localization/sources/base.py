@@ -35,14 +35,16 @@ class Capture(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class SourceState:
-    """How a source does. `error` says what is wrong now, None when frames arrive as they should; `received` counts good
-    frames, `broken` unusable ones, `skipped` good ones that a newer one replaced before they were asked for."""
+    """How a source does. `error` says what is wrong now, None when frames arrive as they should; `error_since_ns` is when it
+    last was well (wall clock; when it was opened, if it never was). `received` counts good frames, `broken` unusable ones,
+    `skipped` good ones that newer ones replaced before they were asked for."""
 
     connected: bool
     error: str | None
     received: int
     broken: int
     skipped: int
+    error_since_ns: int | None = None
 
 
 class Source(Protocol):

@@ -1,19 +1,20 @@
 """Reads a capture in a thread of its own: newest wins, a freeze holds nobody up, what fails is opened again.
 
-The reader keeps one frame (GulliView 2024, 3.1.1, with a buffer of one: only the newest is ever asked for). A reader that
-hangs inside its device is abandoned after a while and another one started.
+The reader puts frames into a ring (`sources.ring_buffer`) and never waits for who takes them. A reader that hangs inside its
+device is abandoned after a while and another one started.
 """
 
 import logging
 import threading
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import cast
 
 import cv2
 import numpy as np
 
 from localization.sources.base import BrokenFrameError, Capture, CaptureError, SourceState
+from localization.sources.ring_buffer import FrameRing
 from protocol.clock import Clock
 from protocol.frames import Frame
 from protocol.lab import CameraSpec
@@ -55,39 +56,51 @@ class LiveSource:
         self._patience = Patience(
             max(given.stall_s, 5.0 / spec.rate_hz), given.abandon_s, given.first_retry_s, given.last_retry_s
         )
-        self._changed = threading.Condition()
+        self._ring = FrameRing()
+        self._lock = threading.Lock()
         self._ended = threading.Event()
-        self._frame: Frame | None = None
         self._connected = False
         self._error: str | None = "no frame yet"
-        self._received = self._broken = self._skipped = 0
+        self._received = self._broken = 0
+        self._well_ns = clock.now_ns()
         self._started_s = self._last_sign_s = self._last_frame_s = clock.monotonic_s()
         self._readers: list[threading.Thread] = []
         self._start_reader()
 
     @property
     def state(self) -> SourceState:
-        with self._changed:
+        with self._lock:
             silence_s = self._clock.monotonic_s() - self._last_frame_s
-            error = self._error
-            if error is None and silence_s > self._patience.stall_s:
+            silent = silence_s > self._patience.stall_s
+            # A broken frame between good ones is counted, but no reason for alarm.
+            error = self._error if silent or not self._connected or not self._received else None
+            if error is None and silent:
                 error = f"no frame for {silence_s:.1f} s"
-            connected = self._connected and silence_s <= self._patience.stall_s
-            return SourceState(connected, error, self._received, self._broken, self._skipped)
+            return SourceState(
+                connected=self._connected and not silent,
+                error=error,
+                received=self._received,
+                broken=self._broken,
+                skipped=self._ring.skipped,
+                error_since_ns=None if error is None else self._well_ns,
+            )
 
     def newest(self, timeout_s: float) -> Frame | None:
-        with self._changed:
-            self._changed.wait_for(lambda: self._frame is not None or self._ended.is_set(), timeout_s)
-            frame, self._frame = self._frame, None
-        if frame is None:
-            self._replace_hanging_reader()
-        return frame
+        return self._taken(self._ring.newest(timeout_s))
+
+    def oldest(self, timeout_s: float) -> Frame | None:
+        """The oldest frame that is still there: for who wants every one (the ring forgives a short delay)."""
+        return self._taken(self._ring.oldest(timeout_s))
 
     def close(self) -> None:
         self._ended.set()
-        with self._changed:
-            self._changed.notify_all()
+        self._ring.close()
         self._readers[-1].join(timeout=0.5)
+
+    def _taken(self, frame: Frame | None) -> Frame | None:
+        if frame is None:
+            self._replace_hanging_reader()
+        return frame
 
     def _start_reader(self) -> None:
         name = f"reader-{self._spec.id}-{len(self._readers)}"
@@ -96,7 +109,7 @@ class LiveSource:
         reader.start()
 
     def _replace_hanging_reader(self) -> None:
-        with self._changed:
+        with self._lock:
             silence_s = self._clock.monotonic_s() - self._last_sign_s
             if self._ended.is_set() or silence_s < self._patience.abandon_s:
                 return
@@ -136,7 +149,7 @@ class LiveSource:
             while self._in_charge():
                 try:
                     raw = capture.read()
-                    frame = None if raw is None else checked(raw, self._spec)
+                    frame = None if raw is None else self._made_usable(raw)
                 except BrokenFrameError as error:
                     self._report(str(error), connected=True, broken=True)
                     self._ended.wait(_BREATH_S)
@@ -145,22 +158,27 @@ class LiveSource:
         finally:
             capture.close()
 
+    def _made_usable(self, raw: Frame) -> Frame:
+        start_s = self._clock.monotonic_s()
+        frame = checked(raw, self._spec)
+        if frame is raw:
+            return raw
+        return replace(frame, decode_ms=frame.decode_ms + (self._clock.monotonic_s() - start_s) * 1e3)
+
     def _take(self, frame: Frame | None) -> None:
-        with self._changed:
+        with self._lock:
             if not self._in_charge():
                 return
             self._last_sign_s = self._clock.monotonic_s()
             if frame is None:
                 return
-            self._last_frame_s = self._last_sign_s
+            self._last_frame_s, self._well_ns = self._last_sign_s, self._clock.now_ns()
             self._connected, self._error = True, None
             self._received += 1
-            self._skipped += self._frame is not None
-            self._frame = frame
-            self._changed.notify_all()
+            self._ring.put(frame)
 
     def _report(self, error: str, *, connected: bool, broken: bool = False) -> None:
-        with self._changed:
+        with self._lock:
             if not self._in_charge():
                 return
             if error != self._error:
@@ -186,5 +204,5 @@ def checked(frame: Frame, spec: CameraSpec) -> Frame:
         )
     if pixels.ndim == 3 and not spec.color:
         grey = cast("np.ndarray[tuple[int, int], np.dtype[np.uint8]]", cv2.cvtColor(pixels, cv2.COLOR_BGR2GRAY))
-        return Frame(frame.number, frame.stamp_ns, grey)
+        return replace(frame, pixels=grey)
     return frame

@@ -16,9 +16,11 @@ class ReplayCapture:
         self._shift_ns: int | None = None
 
     def read(self) -> Frame | None:
+        start_s = self._clock.monotonic_s()
         frame = self._recorded.read()
         if frame is None:
             return None
+        decode_ms = (self._clock.monotonic_s() - start_s) * 1e3
         now_ns = self._clock.now_ns()
         if self._shift_ns is None:
             self._shift_ns = now_ns - frame.stamp_ns
@@ -27,7 +29,7 @@ class ReplayCapture:
             self._shift_ns -= round((ahead_s - _LONGEST_PAUSE_S) * 1e9)
             ahead_s = _LONGEST_PAUSE_S
         self._clock.wait(ahead_s)
-        return Frame(frame.number, frame.stamp_ns + self._shift_ns, frame.pixels)
+        return Frame(frame.number, frame.stamp_ns + self._shift_ns, frame.pixels, decode_ms)
 
     def close(self) -> None:
         self._recorded.close()

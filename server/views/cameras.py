@@ -1,11 +1,10 @@
 """How a camera looks to an operator: its state, where it hangs, and which part of the floor it sees."""
 
-from urllib.parse import urlsplit, urlunsplit
-
 from pydantic import Field
 
 from protocol.channels import CAMERA_STATES
 from protocol.lab import CameraSpec, Intrinsics
+from protocol.lab.address import without_password
 from protocol.messages import CameraExtrinsics, CameraState
 from server.views.base import AgeS, Outline, View, age_s
 from server.views.field_of_view import floor_outline
@@ -19,6 +18,7 @@ class CameraStateView(View):
     fresh: bool
     connected: bool
     error: str | None
+    error_since_ns: int | None = Field(description="Since when there is an error, if that is known.")
     width: int
     height: int
     rate_hz: float
@@ -88,18 +88,6 @@ def camera_view(
     )
 
 
-def without_password(source: str | int) -> str:
-    """A camera's address as it may be shown: URLs lose their user and password."""
-    text = str(source)
-    try:
-        parts = urlsplit(text)
-    except ValueError:
-        return text.rpartition("@")[2]
-    if "@" not in parts.netloc:
-        return text
-    return urlunsplit(parts._replace(netloc=parts.netloc.rpartition("@")[2]))
-
-
 def _state(state: CameraState, now_ns: int) -> CameraStateView:
     age = age_s(state.stamp_ns, now_ns)
     return CameraStateView(
@@ -108,6 +96,7 @@ def _state(state: CameraState, now_ns: int) -> CameraStateView:
         fresh=age <= CAMERA_STATES.stale_after_s,
         connected=state.connected,
         error=state.error,
+        error_since_ns=state.error_since_ns,
         width=state.width,
         height=state.height,
         rate_hz=state.rate_hz,

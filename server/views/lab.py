@@ -1,8 +1,8 @@
 """The lab description as it may be shown: without the simulation's truth and without the cameras' passwords."""
 
 from protocol.lab import Area, CameraSpec, FloorTags, Lab, Ports, VehicleSpec, ZoneSpec
+from protocol.lab.address import without_password
 from server.views.base import View
-from server.views.cameras import without_password
 
 
 class LabView(View):

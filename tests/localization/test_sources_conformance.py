@@ -242,10 +242,10 @@ def test_only_the_newest_frame_is_given(rig: Rig, opened: Callable[..., Source])
     rig.plug()
     source = opened()
     eventually(lambda: source.state.received >= 4, "frames")
-    state = source.state
+    received = source.state.received
     next_frame(source)
-    assert state.skipped >= state.received - 1
-    assert source.newest(0.0) is None or source.state.received > state.received
+    assert source.state.skipped >= received - 1
+    assert source.newest(0.0) is None or source.state.received > received
 
 
 def test_a_camera_that_is_not_there_is_waited_for(rig: Rig, opened: Callable[..., Source]) -> None:

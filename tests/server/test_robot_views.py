@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from geometry import SE3, CameraModel
+from protocol.lab.address import without_password
 from protocol.messages import (
     Assignment,
     AssignmentState,
@@ -20,7 +21,6 @@ from protocol.messages import (
     ReasonCode,
     RobotSettings,
 )
-from server.views.cameras import without_password
 from server.views.field_of_view import floor_outline, undistorted
 from server.views.robots import Connection, FleetState, RobotState, RobotView, robot_view
 from tests.server.samples import START_NS, command, pose, status
