@@ -15,6 +15,8 @@ Array = NDArray[np.float64]
 
 _LEAST_M, _LEAST_RAD = 1e-5, 1e-5
 """Nothing is surer than that; it keeps noise invertible where a detection says that all of it is systematic."""
+_ROUNDING = 1e-7
+"""A standard deviation this small beside the whole is what rounding left of none (the square root of 1e-14)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -64,7 +66,7 @@ def cholesky(covariance: Array) -> Array:
     l00 = math.sqrt(max(a, 0.0))
     l10, l20 = (b / l00, c / l00) if l00 > 0 else (0.0, 0.0)
     l11 = math.sqrt(max(d - l10 * l10, 0.0))
-    l21 = (e - l20 * l10) / l11 if l11 > 1e-9 * math.sqrt(max(d, 0.0)) and l11 > 0 else 0.0
+    l21 = (e - l20 * l10) / l11 if l11 > _ROUNDING * math.sqrt(max(d, 0.0)) else 0.0
     l22 = math.sqrt(max(f - l20 * l20 - l21 * l21, 0.0))
     return np.array([[l00, 0.0, 0.0], [l10, l11, 0.0], [l20, l21, l22]])
 
