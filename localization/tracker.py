@@ -10,7 +10,9 @@ import logging
 from collections.abc import Sequence
 
 from localization.outputs import Outputs, UdpSender, outputs_of
-from localization.tracking import DuplicateTag, Tracker
+from localization.timings import TRACKER_STAGES, TimingLog, open_timing_log
+from localization.track_reports import TrackReports, sentence
+from localization.tracking import DuplicateTag, Tracker, TrackTransition
 from protocol.bus import Bus
 from protocol.channels import DETECTIONS, EVENTS, LAB_INSTANCE, REGISTRATIONS
 from protocol.clock import Clock, SystemClock
@@ -25,13 +27,15 @@ _logger = logging.getLogger(__name__)
 _OLDEST_S, _AHEAD_S = 2.0, 0.5
 """Frames older than this, or from the future, come from a snapshot or a clock that is wrong."""
 _REPORT_EVERY_S = 10.0
+_LOOK_FOR_LOST_EVERY_S = 0.25
 
 
 class TrackerService:
     """The I/O around `Tracker`."""
 
-    def __init__(self, lab: Lab, bus: Bus, outputs: Outputs, clock: Clock) -> None:
+    def __init__(self, lab: Lab, bus: Bus, outputs: Outputs, timings: TimingLog, clock: Clock) -> None:
         self._tracker, self._bus, self._outputs, self._clock = Tracker(lab), bus, outputs, clock
+        self._timings, self._reports = timings, TrackReports()
         self._reported_s: dict[str, float] = {}
 
     async def run(self) -> None:
@@ -43,30 +47,55 @@ class TrackerService:
             elif isinstance(message, Registration):
                 self._outputs.register(message)
 
-    async def _fuse(self, frame: FrameDetections) -> None:
-        age_s = (self._clock.now_ns() - frame.stamp_ns) * 1e-9
-        if not -_AHEAD_S <= age_s <= _OLDEST_S:
-            if self._may_report(f"clock of {frame.camera}"):
-                _logger.warning("ignored a frame of %s, stamped %.1f s ago", frame.camera, age_s)
-            return
-        poses = self._tracker.update(frame)
-        self._outputs.send(poses)
-        await self._outputs.publish(poses)
-        for duplicate in self._tracker.take_duplicates():
-            await self._report(duplicate)
+    async def look_for_lost(self) -> None:
+        """Tells who was lost and found, until cancelled: what is lost sends no frames that would tell."""
+        while True:
+            await self._clock.sleep(_LOOK_FOR_LOST_EVERY_S)
+            self._tracker.expire(self._clock.now_ns())
+            for transition in self._tracker.take_transitions():
+                self._reports.note(transition)
+            for transition in self._reports.take_due(self._clock.monotonic_s()):
+                await self._report_transition(transition)
 
-    async def _report(self, duplicate: DuplicateTag) -> None:
-        if not self._may_report(duplicate.vehicle):
+    async def _fuse(self, frame: FrameDetections) -> None:
+        wait_ms = (self._clock.now_ns() - frame.stamp_ns) * 1e-6
+        if not -_AHEAD_S <= wait_ms * 1e-3 <= _OLDEST_S:
+            if self._may_report(f"clock of {frame.camera}"):
+                _logger.warning("ignored a frame of %s, stamped %.1f s ago", frame.camera, wait_ms * 1e-3)
             return
-        _logger.warning("%s", duplicate)
-        event = Event(
-            stamp_ns=self._clock.now_ns(),
-            level=EventLevel.WARNING,
-            source="tracker",
-            kind="duplicate_tag",
-            text=str(duplicate),
+        start_s = self._clock.monotonic_s()
+        poses = self._tracker.update(frame)
+        tracked_s = self._clock.monotonic_s()
+        self._outputs.send(poses)
+        sent_s, sent_ns = self._clock.monotonic_s(), self._clock.now_ns()
+        await self._outputs.publish(poses)
+        published_s = self._clock.monotonic_s()
+        self._timings.add(
+            frame.stamp_ns,
+            {
+                "wait": wait_ms,
+                "track": (tracked_s - start_s) * 1e3,
+                "send": (sent_s - tracked_s) * 1e3,
+                "publish": (published_s - sent_s) * 1e3,
+                "total": (sent_ns - frame.stamp_ns) * 1e-6,
+            },
         )
-        with contextlib.suppress(BusUnavailableError):  # it stands in the log, and comes again
+        for duplicate in self._tracker.take_duplicates():
+            await self._report_duplicate(duplicate)
+
+    async def _report_duplicate(self, duplicate: DuplicateTag) -> None:
+        if self._may_report(duplicate.vehicle):
+            _logger.warning("%s", duplicate)
+            await self._tell(EventLevel.WARNING, "duplicate_tag", str(duplicate))
+
+    async def _report_transition(self, transition: TrackTransition) -> None:
+        level, kind = (EventLevel.INFO, "vehicle_found") if transition.tracked else (EventLevel.WARNING, "vehicle_lost")
+        _logger.info("%s", sentence(transition))
+        await self._tell(level, kind, sentence(transition))
+
+    async def _tell(self, level: EventLevel, kind: str, text: str) -> None:
+        event = Event(stamp_ns=self._clock.now_ns(), level=level, source="tracker", kind=kind, text=text)
+        with contextlib.suppress(BusUnavailableError):  # it stands in the log
             await self._bus.publish(EVENTS, LAB_INSTANCE, event)
 
     def _may_report(self, what: str) -> bool:
@@ -80,10 +109,15 @@ class TrackerService:
 async def serve(lab: Lab, settings: Settings, clock: Clock) -> None:
     """Runs the tracker until SIGTERM or SIGINT."""
     bus = Bus.connect(settings.redis_url, clock)
+    noted = {"outputs": lab.outputs.model_dump_json()}
     try:
-        with UdpSender(clock) as sender:
+        with (
+            UdpSender(clock) as sender,
+            open_timing_log(settings, clock, lab.name, "tracker", TRACKER_STAGES, noted=noted) as timings,
+        ):
             outputs = outputs_of(lab, bus, sender, clock, settings.udp_key)
-            await run_until_signal(TrackerService(lab, bus, outputs, clock).run(), outputs.run(clock))
+            service = TrackerService(lab, bus, outputs, timings, clock)
+            await run_until_signal(service.run(), service.look_for_lost(), outputs.run(clock))
     finally:
         await bus.close()
 
