@@ -492,6 +492,93 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/calibration": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * State of the calibration
+         * @description What is in force, what is going on, and what waits for a decision.
+         */
+        get: operations["get_calibration"];
+        put?: never;
+        /**
+         * Start a calibration
+         * @description The cameras look at their floor tags while poses go on; some seconds later a proposal waits for a decision. A
+         *     proposal that waited is replaced. Refused while another run goes on.
+         */
+        post: operations["start_calibration"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/calibration/accept": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Accept the proposal
+         * @description Puts it in force for all cameras at once, without a restart; what was in force can be restored. Refused when it is not
+         *     this proposal that waits.
+         */
+        post: operations["accept_calibration"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/calibration/discard": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Discard the proposal
+         * @description Nothing changes. Refused when it is not this proposal that waits.
+         */
+        post: operations["discard_calibration"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/calibration/restore": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Restore the previous calibration
+         * @description Puts in force what was before; the present one can be restored in the same way. A camera that was moved since notices
+         *     it, and finds its place anew. Refused when there is no previous one.
+         */
+        post: operations["restore_calibration"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/sim/objects": {
         parameters: {
             query?: never;
@@ -714,6 +801,213 @@ export interface components {
             robot?: string | null;
         };
         /**
+         * CalibratedCamera
+         * @description T_map_camera with what it rests on; fields as in `CameraExtrinsics`.
+         */
+        CalibratedCamera: {
+            /** Rotvec */
+            rotvec: [
+                number,
+                number,
+                number
+            ];
+            /** Translation */
+            translation: [
+                number,
+                number,
+                number
+            ];
+            /**
+             * Covariance
+             * @description Upper triangle of the 10 x 10 covariance of rotvec, translation, fx, fy, cx, cy.
+             * @default []
+             */
+            covariance: number[];
+            /**
+             * Reprojection Px
+             * @description RMS distance of the floor tags' corners in the joint result.
+             */
+            reprojection_px: number;
+            /**
+             * Floor Tags
+             * @description Floor tags that it rests on.
+             */
+            floor_tags: number[];
+            /**
+             * Left Out
+             * @description Floor tags that were seen and not believed.
+             * @default []
+             */
+            left_out: number[];
+            /**
+             * Basis
+             * @description Digest of the image size and intrinsics it was computed with.
+             */
+            basis: string;
+        };
+        /**
+         * CalibratedFloorTag
+         * @description Where a floor tag was found to lie (m, rad, map frame), and how far (m) from where the lab description has it.
+         */
+        CalibratedFloorTag: {
+            /** X */
+            x: number;
+            /** Y */
+            y: number;
+            /** Yaw */
+            yaw: number;
+            /** Shift M */
+            shift_m: number;
+        };
+        /**
+         * Calibration
+         * @description A joint result over cameras and floor tags. Cameras take it when it is newer than what they found by themselves.
+         */
+        Calibration: {
+            /** Id */
+            id: number;
+            /**
+             * Stamp Ns
+             * @description Since when it is in force; of a proposal: when it was computed.
+             */
+            stamp_ns: number;
+            /**
+             * By
+             * @description Who accepted it; `calibrator` when nobody had to.
+             */
+            by: string;
+            /**
+             * Floor Basis
+             * @description Digest of the floor tags of the lab description that it was computed with.
+             */
+            floor_basis: string;
+            /** Cameras */
+            cameras: {
+                [key: string]: components["schemas"]["CalibratedCamera"];
+            };
+            /** Floor Tags */
+            floor_tags: {
+                [key: string]: components["schemas"]["CalibratedFloorTag"];
+            };
+        };
+        /**
+         * CalibrationProposal
+         * @description The outcome of a run, for a person to accept or discard.
+         */
+        CalibrationProposal: {
+            calibration: components["schemas"]["Calibration"];
+            /** Cameras */
+            cameras: {
+                [key: string]: components["schemas"]["CameraComparison"];
+            };
+            /** Floor Tags */
+            floor_tags: {
+                [key: string]: components["schemas"]["FloorTagComparison"];
+            };
+            /**
+             * Not Answered
+             * @description Cameras that were asked and sent nothing.
+             */
+            not_answered: string[];
+        };
+        /**
+         * CalibrationRun
+         * @description A calibration that somebody asked for, and how far it has come.
+         */
+        CalibrationRun: {
+            /** Id */
+            id: number;
+            state: components["schemas"]["RunState"];
+            /**
+             * Stamp Ns
+             * @description Of the newest change.
+             */
+            stamp_ns: number;
+            /** Started Ns */
+            started_ns: number;
+            /**
+             * By
+             * @description Who asked for it.
+             */
+            by: string;
+            /**
+             * Cameras
+             * @description Cameras that are to look anew.
+             */
+            cameras: string[];
+            /**
+             * Answered
+             * @description Those of them that have.
+             * @default []
+             */
+            answered: string[];
+            /**
+             * Text
+             * @description Why it failed, or what was left out.
+             * @default
+             */
+            text: string;
+        };
+        /**
+         * CalibrationView
+         * @description The newest run (null: there never was one), what is in force, what was before (null: nothing to restore), and the
+         *     proposal that waits for a decision. Each camera's own state is in `/cameras`.
+         */
+        CalibrationView: {
+            /** Stamp Ns */
+            stamp_ns: number;
+            run: components["schemas"]["CalibrationRun"] | null;
+            current: components["schemas"]["Calibration"] | null;
+            previous: components["schemas"]["Calibration"] | null;
+            proposal: components["schemas"]["CalibrationProposal"] | null;
+        };
+        /**
+         * CameraComparison
+         * @description What a proposal changes for one camera. Pixels are RMS distances of the floor tags' corners in the new sighting, judged
+         *     by the calibration in use and by the proposal; metres on the floor are taken over the part of it that the camera sees.
+         *     `*_before_*` and the changes are null for a camera that had no calibration.
+         */
+        CameraComparison: {
+            /**
+             * Is New
+             * @description Whether the camera looked anew for this; if not, its last sighting was used.
+             */
+            is_new: boolean;
+            /** Frames */
+            frames: number;
+            /** Corner Noise Px */
+            corner_noise_px: number;
+            /** Floor Tags */
+            floor_tags: number[];
+            /** Left Out */
+            left_out: number[];
+            /** Reprojection Before Px */
+            reprojection_before_px: number | null;
+            /** Reprojection After Px */
+            reprojection_after_px: number;
+            /**
+             * Floor Shift Mean M
+             * @description How far the camera's poses will move, on average.
+             */
+            floor_shift_mean_m: number | null;
+            /**
+             * Floor Shift Max M
+             * @description How far the camera's poses will move at most.
+             */
+            floor_shift_max_m: number | null;
+            /** Camera Moved M */
+            camera_moved_m: number | null;
+            /** Camera Turned Rad */
+            camera_turned_rad: number | null;
+            /** Floor Std Before M */
+            floor_std_before_m: number | null;
+            /**
+             * Floor Std After M
+             * @description Standard deviation of points on the floor that the calibration leaves open (RMS); null: not known.
+             */
+            floor_std_after_m: number | null;
+        };
+        /**
          * CameraSpec
          * @description A ceiling camera. `source` is `sim`, a path, a URL, or a V4L2 device number.
          */
@@ -755,6 +1049,11 @@ export interface components {
             connected: boolean;
             /** Error */
             error: string | null;
+            /**
+             * Error Since Ns
+             * @description Since when there is an error, if that is known.
+             */
+            error_since_ns: number | null;
             /** Width */
             width: number;
             /** Height */
@@ -863,6 +1162,17 @@ export interface components {
          */
         Connection: "ONLINE" | "OFFLINE" | "CONNECTION_BROKEN";
         /**
+         * Decision
+         * @description The proposal that is meant: the `id` of its calibration.
+         * @example {
+         *       "id": 1700000000000
+         *     }
+         */
+        Decision: {
+            /** Id */
+            id: number;
+        };
+        /**
          * EmergencyStop
          * @description The fleet-wide latch. Engaged until a person releases it; `epoch` grows with every change.
          */
@@ -954,6 +1264,16 @@ export interface components {
             reprojection_px: number;
             /** Floor Tags */
             floor_tags: number[];
+        };
+        /**
+         * FloorTagComparison
+         * @description How far (m) a proposal puts a floor tag from where it is expected now, and which cameras saw it.
+         */
+        FloorTagComparison: {
+            /** Shift M */
+            shift_m: number;
+            /** Cameras */
+            cameras: string[];
         };
         /**
          * FloorTags
@@ -1815,6 +2135,13 @@ export interface components {
             loop: boolean;
         };
         /**
+         * RunState
+         * @description collecting: cameras look at the floor tags; refining: all is being computed; proposed: a person has to decide; failed:
+         *     it gave nothing, `text` says why; accepted, discarded: it was decided.
+         * @enum {string}
+         */
+        RunState: "collecting" | "refining" | "proposed" | "failed" | "accepted" | "discarded";
+        /**
          * SessionView
          * @description Who is logged in; `robot` is the one that a robot's token is bound to.
          */
@@ -1888,6 +2215,21 @@ export interface components {
              * @default 1
              */
             speed_scale: number;
+        };
+        /**
+         * StartCalibration
+         * @description Which cameras are to look at the floor tags anew; null: all.
+         * @example {
+         *       "cameras": [
+         *         "cam0",
+         *         "cam1"
+         *       ]
+         *     }
+         * @example {}
+         */
+        StartCalibration: {
+            /** Cameras */
+            cameras?: string[] | null;
         };
         /**
          * StatusView
@@ -2186,6 +2528,13 @@ export type Area = components['schemas']['Area'];
 export type Assignment = components['schemas']['Assignment'];
 export type AssignmentState = components['schemas']['AssignmentState'];
 export type Blockage = components['schemas']['Blockage'];
+export type CalibratedCamera = components['schemas']['CalibratedCamera'];
+export type CalibratedFloorTag = components['schemas']['CalibratedFloorTag'];
+export type Calibration = components['schemas']['Calibration'];
+export type CalibrationProposal = components['schemas']['CalibrationProposal'];
+export type CalibrationRun = components['schemas']['CalibrationRun'];
+export type CalibrationView = components['schemas']['CalibrationView'];
+export type CameraComparison = components['schemas']['CameraComparison'];
 export type CameraSpec = components['schemas']['CameraSpec'];
 export type CameraStateView = components['schemas']['CameraStateView'];
 export type CameraView = components['schemas']['CameraView'];
@@ -2193,11 +2542,13 @@ export type ChannelView = components['schemas']['ChannelView'];
 export type CommandView = components['schemas']['CommandView'];
 export type Condition = components['schemas']['Condition'];
 export type Connection = components['schemas']['Connection'];
+export type Decision = components['schemas']['Decision'];
 export type EmergencyStop = components['schemas']['EmergencyStop'];
 export type Engage = components['schemas']['Engage'];
 export type Event = components['schemas']['Event'];
 export type EventLevel = components['schemas']['EventLevel'];
 export type ExtrinsicsView = components['schemas']['ExtrinsicsView'];
+export type FloorTagComparison = components['schemas']['FloorTagComparison'];
 export type FloorTags = components['schemas']['FloorTags'];
 export type GuidanceView = components['schemas']['GuidanceView'];
 export type HttpValidationError = components['schemas']['HTTPValidationError'];
@@ -2238,9 +2589,11 @@ export type RobotState = components['schemas']['RobotState'];
 export type RobotView = components['schemas']['RobotView'];
 export type Role = components['schemas']['Role'];
 export type Route = components['schemas']['Route'];
+export type RunState = components['schemas']['RunState'];
 export type SessionView = components['schemas']['SessionView'];
 export type SimulatedObject = components['schemas']['SimulatedObject'];
 export type Start = components['schemas']['Start'];
+export type StartCalibration = components['schemas']['StartCalibration'];
 export type StatusView = components['schemas']['StatusView'];
 export type Target = components['schemas']['Target'];
 export type TokenView = components['schemas']['TokenView'];
@@ -4617,6 +4970,359 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_calibration: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["CalibrationView"];
+                };
+            };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    start_calibration: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["StartCalibration"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["CalibrationRun"];
+                };
+            };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Its state forbids this; the detail says why. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    accept_calibration: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["Decision"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Calibration"];
+                };
+            };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Its state forbids this; the detail says why. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    discard_calibration: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["Decision"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Its state forbids this; the detail says why. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    restore_calibration: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Calibration"];
+                };
+            };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Its state forbids this; the detail says why. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
                 };
             };
             /** @description Redis (or what else is needed) is out of reach; nothing was changed. */

@@ -10,6 +10,7 @@ import { Shell } from "./Shell";
 const FloorPage = lazy(() => import("../floor/FloorPage"));
 const RoutesPage = lazy(() => import("../routes/RoutesPage"));
 const CamerasPage = lazy(() => import("../cameras/CamerasPage"));
+const CalibrationPage = lazy(() => import("../calibration/CalibrationPage"));
 const ScenePage = lazy(() => import("../scene/ScenePage"));
 const EventsPage = lazy(() => import("../events/EventsPage"));
 const SystemPage = lazy(() => import("../system/SystemPage"));
@@ -22,6 +23,7 @@ const router = createBrowserRouter([
       { path: "/floor", element: <FloorPage /> },
       { path: "/routes", element: <RoutesPage /> },
       { path: "/cameras", element: <CamerasPage /> },
+      { path: "/calibration", element: <CalibrationPage /> },
       { path: "/3d", element: <ScenePage /> },
       { path: "/events", element: <EventsPage /> },
       { path: "/system", element: <SystemPage /> },

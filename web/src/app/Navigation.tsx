@@ -6,6 +6,7 @@ import {
   IconHistory,
   IconMap2,
   IconRoute,
+  IconTargetArrow,
   IconUsers,
   type Icon,
 } from "@tabler/icons-react";
@@ -25,6 +26,7 @@ const ENTRIES: readonly Entry[] = [
   { to: "/floor", label: "Floor", icon: IconMap2 },
   { to: "/routes", label: "Routes", icon: IconRoute },
   { to: "/cameras", label: "Cameras", icon: IconCamera },
+  { to: "/calibration", label: "Calibration", icon: IconTargetArrow },
   { to: "/3d", label: "3D", icon: IconCube },
   { to: "/events", label: "Events", icon: IconHistory },
   { to: "/system", label: "System", icon: IconActivityHeartbeat },

@@ -1,5 +1,7 @@
 /** What each camera sees and how well. */
-import { SimpleGrid, Text } from "@mantine/core";
+import { Button, SimpleGrid, Text } from "@mantine/core";
+import { IconTargetArrow } from "@tabler/icons-react";
+import { Link } from "react-router";
 import { useLive } from "../live/store";
 import { Page } from "../ui/Page";
 import { CameraCard } from "./CameraCard";
@@ -9,7 +11,15 @@ export default function CamerasPage() {
   const known = useLive((live) => live.known);
   const list = Object.values(cameras);
   return (
-    <Page title="Cameras" note="Pictures are fetched only while they are in sight.">
+    <Page
+      title="Cameras"
+      note="Pictures are fetched only while they are in sight."
+      actions={
+        <Button component={Link} to="/calibration" variant="default" leftSection={<IconTargetArrow size={16} />}>
+          Calibrate
+        </Button>
+      }
+    >
       {list.length === 0 && (
         <Text c="dimmed">
           {known
