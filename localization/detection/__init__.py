@@ -13,19 +13,26 @@ from localization.detection.observation import (
     to_grey,
     without_duplicates,
 )
+from localization.detection.spread import SpreadSearch, SpreadStep
+from localization.detection.tiles import TagSizes, Tiling, tiling
 from localization.detection.windowed import WindowedSearch
 
 __all__ = [
     "Box",
     "FullSearch",
     "Image",
+    "SpreadSearch",
+    "SpreadStep",
     "TagDetector",
     "TagGuess",
     "TagObservation",
     "TagSearch",
+    "TagSizes",
+    "Tiling",
     "WindowedSearch",
     "decimation_for",
     "is_whole",
+    "tiling",
     "to_grey",
     "without_duplicates",
 ]

@@ -225,7 +225,9 @@ def test_stages_are_timed_and_the_capture_time_is_kept(monkeypatch: pytest.Monke
     monkeypatch.setattr(FullSearch, "find", takes(0.020, slow_find))
     monkeypatch.setattr(SelfCalibration, "observe", takes(0.001, slow_watch))
     result = camera.process(picture(0, robot_10=SE2(0.7, 0.5, 0.2)))
-    assert result.timings_ms == pytest.approx({"wait": 12.0, "detect": 21.0, "undistort": 0.0, "pose": 0.0})
+    assert result.timings_ms == pytest.approx(
+        {"wait": 12.0, "window": 0.0, "full": 21.0, "undistort": 0.0, "pose": 0.0}
+    )
     assert (result.stamp_ns, result.sent_ns) == (START_NS, START_NS + 33_000_000)
 
 

@@ -179,7 +179,7 @@ def test_from_the_ring_to_the_robot_and_through_a_death_of_redis(
     assert state.floor_tags_seen == (0, 1, 2, 3)
     assert state.reprojection_px is not None
     assert state.reprojection_px < 0.5
-    assert {"wait", "detect", "undistort", "pose"} <= set(state.timings_ms)
+    assert {"wait", "window", "full", "undistort", "pose"} <= set(state.timings_ms)
     found = eventually(house.extrinsics, "extrinsics")
     off = extrinsics_pose(found).translation - MOUNTS["left"].translation
     assert float(np.abs(off).max()) < 0.003
