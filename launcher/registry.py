@@ -25,6 +25,7 @@ COMMANDS = (
     Command("detect", "find AprilTags in pictures"),
     Command("localize", "turn recorded videos or pictures of a lab's cameras into poses"),
     Command("record", "record the cameras of a simulated or running lab"),
+    Command("bench", "measure how fast a part is, beside the published methods"),
     Command("experiment", "run an experiment in the simulated lab and print its figures"),
     Command("test", "run all tests, browser tests included; further arguments go to pytest", takes_rest=True),
     Command("generate", "write the sources that are generated from others (API types of the console)"),

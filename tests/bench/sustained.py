@@ -1,0 +1,116 @@
+"""Sustained rate: one process per camera, fed as fast as it consumes, and one that fuses, as deployed, on this machine's cores.
+
+Pipes stand in for Redis. The film's time must go on at the same pace for all cameras, else tracks of one are no help to
+another: nobody may be more than LEAD frames ahead of the slowest, which the fusing process tells with the newest poses.
+"""
+
+import multiprocessing
+import time
+from collections.abc import Mapping, Sequence
+from multiprocessing.connection import Connection, wait
+from pathlib import Path
+
+import cv2
+
+from protocol.codec import decode, encode
+from protocol.frames import Frame
+from protocol.lab import Lab
+from protocol.messages import TrackedPose
+from tests.bench.follow import BASELINE_WARM_UP_FRAMES, POSES_EVERY, START_NS, WARM_UP_FRAMES
+from tests.bench.methods import Fusion, methods
+from tests.bench.scene import decoded, read_recording
+
+LEAD = 3
+_STARTUP_S = 300.0
+_END_S = 10.0
+
+
+class SustainedError(Exception):
+    """A camera's process ended before it was told to."""
+
+
+def sustained_fps(
+    lab: Lab, files: Sequence[Path], resolution: str, name: str, *, with_decode: bool, seconds: float
+) -> float:
+    """Frames per second of all cameras together, from the warm-up's end on, for about `seconds`. SustainedError."""
+    context = multiprocessing.get_context("spawn")
+    pipes = [context.Pipe() for _ in files]
+    workers = [
+        context.Process(target=_camera, args=(theirs, lab, file, resolution, name, with_decode), daemon=True)
+        for (_, theirs), file in zip(pipes, files, strict=True)
+    ]
+    for worker in workers:
+        worker.start()
+    for _, theirs in pipes:
+        theirs.close()
+    ours = [mine for mine, _ in pipes]
+    try:
+        return _conduct(lab, ours, seconds, fuses=methods(resolution)[name].fuses)
+    except (EOFError, OSError) as error:
+        raise SustainedError(f"a camera process of {name} ended early ({type(error).__name__})") from error
+    finally:
+        for connection in ours:
+            connection.close()  # which ends the workers
+        for worker in workers:
+            worker.join(_END_S)
+            if worker.is_alive():
+                worker.terminate()
+
+
+def _conduct(lab: Lab, cameras: Sequence[Connection], seconds: float, *, fuses: bool) -> float:
+    """Takes the messages in, fuses them, and lets the cameras go on."""
+    for camera in cameras:
+        if not camera.poll(_STARTUP_S):
+            raise EOFError
+        camera.recv_bytes()  # it has its frames in memory
+    fusion = Fusion(lab)
+    done = dict.fromkeys(cameras, 0)
+    warm_up = WARM_UP_FRAMES if fuses else BASELINE_WARM_UP_FRAMES
+    told, counted = 0, 0
+    begun_s: float | None = None
+    for camera in cameras:
+        camera.send((LEAD, []))
+    while begun_s is None or time.perf_counter() - begun_s < seconds:
+        for camera in wait(cameras, timeout=_STARTUP_S):
+            assert isinstance(camera, Connection)
+            message = camera.recv_bytes()
+            if fuses:
+                fusion.fuse(message)
+            done[camera] += 1
+            counted += begun_s is not None
+        slowest = min(done.values())
+        if slowest > told:
+            told = slowest
+            poses = [encode(pose) for pose in fusion.poses.values()] if told % POSES_EVERY == 0 else []
+            for camera in cameras:
+                camera.send((told + LEAD, poses))
+        if begun_s is None and slowest >= warm_up:
+            begun_s = time.perf_counter()
+    return counted / (time.perf_counter() - begun_s)
+
+
+def _camera(
+    connection: Connection, lab: Lab, file: Path, resolution: str, name: str, with_decode: bool
+) -> None:  # pragma: no cover  # runs in a process of its own
+    """A camera's process: frame n when n is allowed, until the pipe is closed."""
+    cv2.setNumThreads(1)
+    recording = read_recording(file)
+    camera = methods(resolution)[name].camera(lab, recording.camera, 1)
+    pictures = None if with_decode else [decoded(frame) for frame in recording.frames]
+    camera.prepare(Frame(0, START_NS, decoded(recording.frames[0])))
+    told: Mapping[str, TrackedPose] = {}
+    number, allowed = 0, 0
+    try:
+        connection.send_bytes(b"ready")
+        while True:
+            while number >= allowed or connection.poll():
+                allowed, poses = connection.recv()
+                if poses:
+                    told = {pose.vehicle: pose for pose in (decode(TrackedPose, each) for each in poses)}
+            index = number % len(recording.frames)
+            pixels = decoded(recording.frames[index]) if pictures is None else pictures[index].copy()
+            frame = Frame(number + 1, recording.stamp_ns(number, START_NS), pixels)
+            connection.send_bytes(camera.process(frame, told))
+            number += 1
+    except (EOFError, OSError):
+        return
