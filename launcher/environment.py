@@ -16,7 +16,8 @@ ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENCV_FOR_THREADS_NUM": "1", "OPENBLAS_N
 
 @dataclass(frozen=True, slots=True)
 class SystemSettings:
-    """What all processes of one system are told. `host` is what servers bind to, `server_url` where agents find it."""
+    """What all processes of one system are told. `host` is what servers bind to, `server_url` where agents find it; `run` names
+    the folder of stage timings that they share (each has one of its own when it is empty)."""
 
     lab: Path
     state: Path
@@ -25,6 +26,7 @@ class SystemSettings:
     http_port: int
     server_url: str
     udp_key: str
+    run: str = ""
 
 
 def server_url(host: str, port: int) -> str:
@@ -53,6 +55,8 @@ def child_environment(settings: SystemSettings, token: str, base: Mapping[str, s
         "LILLIPUT_UDP_KEY": settings.udp_key,
         "REDIS_URL": settings.redis_url,
     }
+    if settings.run:
+        environment["LILLIPUT_RUN"] = settings.run
     environment.pop("LILLIPUT_TOKEN", None)
     if token:
         environment["LILLIPUT_TOKEN"] = token

@@ -19,6 +19,7 @@ from localization.pipeline import CameraPipeline, PipelineOptions
 from localization.pose_feed import PoseFeed
 from localization.preview import preview_jpeg
 from localization.sources import Source, open_source
+from localization.timings import CAMERA_STAGES, TimingLog, camera_stages, open_timing_log
 from protocol import keys
 from protocol.bus import UNAVAILABLE, SyncBus
 from protocol.channels import CAMERA_STATES, DETECTIONS, RASTERS
@@ -43,8 +44,16 @@ class CameraService:
     """The I/O around `CameraPipeline`: one `step` per frame, or per timeout when none comes."""
 
     def __init__(
-        self, lab: Lab, source: Source, pipeline: CameraPipeline, floor: FloorObserver, bus: SyncBus, clock: Clock
+        self,
+        lab: Lab,
+        source: Source,
+        pipeline: CameraPipeline,
+        floor: FloorObserver,
+        bus: SyncBus,
+        timings: TimingLog,
+        clock: Clock,
     ) -> None:
+        self._timings = timings
         self._source, self._pipeline, self._floor, self._bus, self._clock = source, pipeline, floor, bus, clock
         self._calibration = CalibrationLink(lab, pipeline, bus, clock)
         self._id = pipeline.spec.id
@@ -62,8 +71,12 @@ class CameraService:
             if frame is not None:
                 poses = self._poses.newest
                 detections = self._pipeline.process(frame, poses)
+                ready_s = clock.monotonic_s()
                 self._bus.publish(DETECTIONS, self._id, detections)
-                statistics.add(detections, clock.monotonic_s())
+                sent_s = clock.monotonic_s()
+                stages_ms = camera_stages(detections, frame.decode_ms, (sent_s - ready_s) * 1e3)
+                self._timings.add(detections.stamp_ns, stages_ms)
+                statistics.add(detections, sent_s)
                 self._look_at_floor(frame)
                 if self._calibration.note():
                     self._due.pop("state", None)  # an alarm does not wait for its turn
@@ -167,12 +180,16 @@ def main(arguments: Sequence[str] | None = None) -> None:
         extrinsics=stored_extrinsics(bus, given.camera, clock),
     )
     floor = FloorObserver(lab, given.camera, settings.state)
-    service = CameraService(lab, open_source(pipeline.spec, settings.state, clock), pipeline, floor, bus, clock)
-    try:
-        service.run()
-    finally:
-        service.close()
-        bus.close()
+    source = open_source(pipeline.spec, settings.state, clock)
+    noted = {"width": pipeline.spec.width, "height": pipeline.spec.height, "rate_hz": pipeline.spec.rate_hz}
+    noted["full_search_every"] = given.full_search_every
+    with open_timing_log(settings, clock, lab.name, "camera", CAMERA_STAGES, given.camera, noted) as timings:
+        service = CameraService(lab, source, pipeline, floor, bus, timings, clock)
+        try:
+            service.run()
+        finally:
+            service.close()
+            bus.close()
 
 
 if __name__ == "__main__":

@@ -14,6 +14,8 @@ from launcher.processes import REDIS, SERVER, expand, select
 from launcher.state_folder import locked, udp_key
 from launcher.system import System, Terminal, run_system
 from launcher.web_build import build_web
+from protocol.clock import SystemClock
+from protocol.timings import run_name
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -46,6 +48,7 @@ def run(arguments: argparse.Namespace) -> int:
             http_port=port,
             server_url=os.environ.get("LILLIPUT_SERVER") or environment.server_url(arguments.host, port),
             udp_key=udp_key(state, os.environ.get("LILLIPUT_UDP_KEY")),
+            run=os.environ.get("LILLIPUT_RUN") or run_name(SystemClock().now_ns()),
         )
         progress(f"lab {lab.name} ({path}), state and logs in {state}")
         terminal = Terminal(step=progress, result=lambda line: print(line, flush=True))

@@ -1,5 +1,6 @@
 """The process table: what a lab needs, and how it is chosen from."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -10,6 +11,7 @@ from launcher.paths import DEFAULT_LAB, PYTHON, ROOT
 from launcher.processes import PROCESSES, expand, select
 from protocol.channels import CHANNELS
 from protocol.lab import Lab, load_lab
+from protocol.settings import Settings
 
 SETTINGS = SystemSettings(
     lab=Path("/labs/a.yaml"),
@@ -101,3 +103,10 @@ def test_a_token_in_the_environment_does_not_leak_to_processes_without_one() -> 
 )
 def test_agents_find_the_server_by_an_address_that_it_binds(host: str, url: str) -> None:
     assert server_url(host, 1) == url
+
+
+def test_processes_started_together_share_a_run() -> None:
+    together = child_environment(replace(SETTINGS, run="20251124T082145Z"), token="", base={})
+    assert Settings.from_environment(together).run == "20251124T082145Z"
+    assert "LILLIPUT_RUN" not in child_environment(SETTINGS, token="", base={})
+    assert child_environment(SETTINGS, token="", base={"LILLIPUT_RUN": "given"})["LILLIPUT_RUN"] == "given"
