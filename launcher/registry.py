@@ -27,6 +27,7 @@ COMMANDS = (
     Command("record", "record the cameras of a simulated or running lab"),
     Command("bench", "measure how fast a part is, beside the published methods"),
     Command("experiment", "run an experiment in the simulated lab and print its figures"),
+    Command("logs", "where the time of the frames went: runs compared, box plots, time graphs"),
     Command("test", "run all tests, browser tests included; further arguments go to pytest", takes_rest=True),
     Command("generate", "write the sources that are generated from others (API types of the console)"),
     Command("check", "format, lint, types, import rules, generated files, web sources"),

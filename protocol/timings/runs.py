@@ -1,7 +1,7 @@
 """Runs: the folders in which the segments of one start of the system lie together, read back as one."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -22,6 +22,11 @@ class ProcessTimings:
     stages: tuple[str, ...]
     stamps_ns: NDArray[np.int64]
     ms: NDArray[np.float32]
+
+    def since(self, stamp_ns: int) -> "ProcessTimings":
+        """The same with the records from that time on."""
+        recent = self.stamps_ns >= stamp_ns
+        return replace(self, stamps_ns=self.stamps_ns[recent], ms=self.ms[recent])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -54,6 +59,19 @@ class Run:
         if not stamps:
             return np.empty(0, np.int64), np.empty(0, np.float32)
         return np.concatenate(stamps), np.concatenate(values)
+
+    @property
+    def span_ns(self) -> tuple[int, int]:
+        """The oldest and the newest stamp; zeros for a run without records."""
+        stamped = [process.stamps_ns for process in self.processes if process.stamps_ns.size]
+        if not stamped:
+            return 0, 0
+        return min(int(stamps.min()) for stamps in stamped), max(int(stamps.max()) for stamps in stamped)
+
+    def last(self, seconds: float) -> "Run":
+        """The same with the last seconds before its newest record alone."""
+        since_ns = self.span_ns[1] - round(seconds * 1e9)
+        return replace(self, processes=tuple(process.since(since_ns) for process in self.processes))
 
 
 @dataclass(frozen=True, slots=True)
@@ -148,11 +166,9 @@ def _process(segments: Sequence[Segment], since_ns: int | None) -> ProcessTiming
         columns = [stages.index(stage) for stage in segment.header.stages]
         ms[row : row + len(segment.ms), columns] = segment.ms
         row += len(segment.ms)
-    if since_ns is not None:
-        recent = stamps >= since_ns
-        stamps, ms = stamps[recent], ms[recent]
     header = segments[0].header
-    return ProcessTimings(header.process, header.kind, stages, stamps, ms)
+    whole = ProcessTimings(header.process, header.kind, stages, stamps, ms)
+    return whole if since_ns is None else whole.since(since_ns)
 
 
 def _folders(folder: Path) -> list[Path]:
