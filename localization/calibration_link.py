@@ -33,6 +33,7 @@ class CalibrationLink:
         self._newest_ns = 0 if pipeline.extrinsics is None else pipeline.extrinsics.stamp_ns
         self._extrinsics = pipeline.extrinsics
         self._problem: str | None = None
+        self._displaced: frozenset[int] = frozenset()
         self._seen: bytes | None = None
         self._handled = self._request = 0
         self._told: FloorSighting | None = None
@@ -50,6 +51,11 @@ class CalibrationLink:
         if problem is not None and self._problem is None:
             level = EventLevel.ERROR if extrinsics is None else EventLevel.WARNING
             self._record(level, "camera_not_calibrated", f"{self._id}: {problem}")
+        displaced = self._pipeline.displaced_floor_tags
+        for tag in sorted(displaced.keys() - self._displaced):
+            text = f"{self._id}: floor tag {tag} lies {displaced[tag] * 1e3:.0f} mm from where it did; calibrate, or put it back"
+            self._record(EventLevel.WARNING, "floor_tag_displaced", text)
+        self._displaced = frozenset(displaced)
         self._extrinsics, self._problem = extrinsics, problem
         return changed
 
@@ -101,7 +107,7 @@ class CalibrationLink:
         if asked and run.id != self._handled:
             self._handled = self._request = run.id
             self._told = self._pipeline.sighting  # what was seen before is no answer
-            self._pipeline.recalibrate()
+            self._pipeline.look_again()
 
     def _tell_sighting(self) -> None:
         sighting, extrinsics = self._pipeline.sighting, self._pipeline.extrinsics

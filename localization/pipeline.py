@@ -101,14 +101,23 @@ class CameraPipeline:
         """Uses a calibration from outside at once; `floor_tags` (T_map_tag) replace the places where they are expected."""
         self._calibration.adopt(extrinsics, floor_tags)
 
+    def look_again(self) -> None:
+        """Averages the floor tags anew over the next frames; poses go on with the present calibration meanwhile."""
+        self._calibration.look_again()
+
     def recalibrate(self) -> None:
-        """Calibrates again from the next frames; poses go on with what is in force meanwhile."""
+        """Forgets the calibration and makes a new one from the next frames."""
         self._calibration.restart()
 
     @property
     def problem(self) -> str | None:
         """What is wrong with the calibration, in a sentence."""
         return self._calibration.problem
+
+    @property
+    def displaced_floor_tags(self) -> Mapping[int, float]:
+        """Floor tags that no longer lie where they did, though the camera stands still: by how much (m)."""
+        return self._calibration.displaced_m
 
     @property
     def floor_tags_seen(self) -> tuple[int, ...]:

@@ -26,7 +26,7 @@ const ENTRIES: readonly Entry[] = [
   { to: "/floor", label: "Floor", icon: IconMap2 },
   { to: "/routes", label: "Routes", icon: IconRoute },
   { to: "/cameras", label: "Cameras", icon: IconCamera },
-  { to: "/calibration", label: "Calibration", icon: IconTargetArrow },
+  { to: "/calibration", label: "Calibrate", icon: IconTargetArrow },
   { to: "/3d", label: "3D", icon: IconCube },
   { to: "/events", label: "Events", icon: IconHistory },
   { to: "/system", label: "System", icon: IconActivityHeartbeat },
