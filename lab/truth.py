@@ -14,14 +14,15 @@ from protocol.lab import CameraSpec, Lab, VehicleSpec
 
 
 def true_floor_tags(lab: Lab, seed: int) -> dict[int, SE2]:
-    """Where the floor tags truly lie (map frame): x and y put off by `survey.floor_tag_m`, yaw as described."""
-    rng = _stream(seed, "floor tags")
-    spread = lab.simulation.survey.floor_tag_m
+    """Where the floor tags truly lie (map frame): x and y put off by `survey.floor_tag_m`, yaw by `survey.floor_tag_rad`."""
+    rng, turns = _stream(seed, "floor tags"), _stream(seed, "floor tags' headings")
+    survey = lab.simulation.survey
     poses: dict[int, SE2] = {}
     for tag_id in sorted(lab.floor_tags.poses):
         x, y, yaw = lab.floor_tags.poses[tag_id]
-        dx, dy = rng.standard_normal(2) * spread
-        poses[tag_id] = SE2(x + float(dx), y + float(dy), yaw)
+        dx, dy = rng.standard_normal(2) * survey.floor_tag_m
+        turn = survey.floor_tag_rad * float(turns.standard_normal())
+        poses[tag_id] = SE2(x + float(dx), y + float(dy), yaw + turn)
     return poses
 
 

@@ -31,9 +31,10 @@ class SimulatedImage(LabModel):
 
 class SimulatedSurvey(LabModel):
     """How well the room was measured: standard deviations of what is true from what the description says. Floor tags' x and
-    y (m), focal lengths (relative), principal points (px), heights of the vehicles' tags (m)."""
+    y (m) and heading (rad), focal lengths (relative), principal points (px), heights of the vehicles' tags (m)."""
 
     floor_tag_m: NonNegative = 0.0
+    floor_tag_rad: NonNegative = 0.0
     focal: Annotated[float, Field(ge=0, lt=0.1)] = 0.0
     center_px: NonNegative = 0.0
     tag_height_m: NonNegative = 0.0

@@ -10,7 +10,7 @@ from protocol.lab import SimulatedSurvey
 from tests.lab.oracle import detected, rms
 from tests.lab.rooms import gulliver, standing
 
-SURVEY = SimulatedSurvey(floor_tag_m=0.002, focal=0.002, center_px=1.5, tag_height_m=0.01)
+SURVEY = SimulatedSurvey(floor_tag_m=0.002, floor_tag_rad=0.006, focal=0.002, center_px=1.5, tag_height_m=0.01)
 
 
 def test_without_survey_errors_the_description_is_the_truth() -> None:
@@ -29,6 +29,10 @@ def test_errors_have_the_spread_that_the_survey_says() -> None:
     assert np.std([model.cx for model in models]) == pytest.approx(1.5, rel=0.2)
     heights = [true_vehicle(lab, vehicle, seed).tag.height_m for seed in range(200)]
     assert np.std(heights) == pytest.approx(0.01, rel=0.2)
+    described = lab.floor_tags.poses[3]
+    tags = [true_floor_tags(lab, seed)[3] for seed in range(200)]
+    assert np.std([tag.x - described[0] for tag in tags]) == pytest.approx(0.002, rel=0.2)
+    assert np.std([tag.yaw - described[2] for tag in tags]) == pytest.approx(0.006, rel=0.2)
 
 
 def test_the_cameras_show_the_truth_and_each_has_a_lens_of_its_own() -> None:
