@@ -9,11 +9,15 @@ from concurrent.futures import Executor, Future
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
+from lab.camera_faults import covered_window, random_pixels, renderer_for
 from lab.rendering import CameraRenderer
 from lab.snapshot import Snapshot
 from lab.world import World
 from protocol.frames import FrameWriter
+from protocol.lab import Lab
+from protocol.messages import CameraFault, FaultKind
 
 _REPORT_PERIOD_NS = 10_000_000_000
 _NOTEWORTHY_SHARE = 0.05
@@ -24,16 +28,19 @@ _logger = logging.getLogger(__name__)
 class CameraFeed:
     """`phase` in [0, 1) staggers the cameras within a period, so that they do not all draw at once."""
 
-    def __init__(self, renderer: CameraRenderer, ring: Path, phase: float, executor: Executor) -> None:
+    def __init__(self, lab: Lab, renderer: CameraRenderer, ring: Path, phase: float, executor: Executor) -> None:
         spec = renderer.spec
         self.camera_id = spec.id
         self.renderer = renderer
+        self.fault: CameraFault | None = None
         self.drawn = 0
         self.skipped = 0
         self._rate_hz = spec.rate_hz
         self._period_ns = round(1e9 / spec.rate_hz)
         self._phase_ns = round(phase * self._period_ns)
-        self._writer = FrameWriter(ring, spec.width, spec.height, color=spec.color)
+        self._lab, self._ring = lab, ring
+        self._suffered: CameraFault | None = None
+        self._writer: FrameWriter | None = FrameWriter(ring, spec.width, spec.height, color=spec.color)
         self._pixels = np.zeros(renderer.shape, dtype=np.uint8)
         self._executor = executor
         self._pending: Future[None] | None = None
@@ -56,7 +63,8 @@ class CameraFeed:
         """Waits for the frame on its way (some milliseconds) and removes the ring."""
         if self._pending is not None and not self._pending.cancel():
             self._pending.exception()
-        self._writer.close()
+        if self._writer is not None:
+            self._writer.close()
 
     def _expose(self, snapshot: Snapshot) -> None:
         if self._pending is not None:
@@ -68,8 +76,38 @@ class CameraFeed:
         self._pending = self._executor.submit(self._draw, snapshot, self.drawn)
 
     def _draw(self, snapshot: Snapshot, number: int) -> None:
-        self.renderer.render(snapshot, number, self._pixels)
-        self._writer.write(self._pixels, snapshot.stamp_ns)
+        fault = self.fault
+        if fault != self._suffered:
+            self._suffer(fault)
+        kind = None if fault is None else fault.kind
+        if self._writer is None or kind is FaultKind.STALL:
+            return
+        if kind is FaultKind.NOISE:
+            self._pixels[...] = random_pixels(self._pixels.shape, self.camera_id, number)
+        else:
+            self.renderer.render(snapshot, number, self._pixels)
+        self._writer.write(_halved(self._pixels) if kind is FaultKind.RESIZE else self._pixels, snapshot.stamp_ns)
+
+    def _suffer(self, fault: CameraFault | None) -> None:
+        """Makes the camera and its ring as the new fault, or its end, has them."""
+        kind = None if fault is None else fault.kind
+        kinds = {kind, None if self._suffered is None else self._suffered.kind}
+        _logger.info("camera %s: %s", self.camera_id, "well again" if kind is None else f"made to suffer: {kind}")
+        self._suffered = fault
+        if FaultKind.BUMP in kinds:
+            try:
+                self.renderer = renderer_for(self._lab, self.camera_id, fault)
+            except ValueError as error:
+                _logger.warning("camera %s stays where it is: %s", self.camera_id, error)
+        spec = self.renderer.spec
+        self.renderer.covered = covered_window(fault, spec.width, spec.height)
+        if kinds & {FaultKind.UNPLUG, FaultKind.RESIZE}:
+            if self._writer is not None:
+                self._writer.close()
+            self._writer = None
+            if kind is not FaultKind.UNPLUG:
+                height, width = (_halved(self._pixels) if kind is FaultKind.RESIZE else self._pixels).shape[:2]
+                self._writer = FrameWriter(self._ring, width, height, color=spec.color)
 
     def _report(self, stamp_ns: int) -> None:
         if stamp_ns - self._report_ns < _REPORT_PERIOD_NS:
@@ -85,3 +123,7 @@ class CameraFeed:
                 skipped,
             )
         self._report_ns, self._reported = stamp_ns, (self.drawn, self.skipped)
+
+
+def _halved(pixels: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    return pixels[::2, ::2]

@@ -5,6 +5,7 @@ import asyncio
 import contextlib
 import logging
 import secrets
+from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
 
 from lab.base_link import BaseLink
@@ -15,6 +16,7 @@ from lab.world import World
 from protocol.bus import Bus
 from protocol.clock import Clock
 from protocol.lab import Lab
+from protocol.messages import CameraFault
 from protocol.settings import Settings, frame_ring
 
 _WORKERS = 2
@@ -40,6 +42,7 @@ class LabService:
         self.world = World(lab, start_ns=clock.now_ns(), session=secrets.token_hex(4))
         self.base_link = BaseLink(self.world, clock, settings.udp_key)
         self.feeds: list[CameraFeed] = []
+        self._faults: Mapping[str, CameraFault] = {}
 
     async def run(self) -> None:
         host, port = self._settings.host, self._lab.ports.lab_udp
@@ -60,6 +63,7 @@ class LabService:
                 group.create_task(self._open_cameras(executor))
                 group.create_task(state.publish_truth())
                 group.create_task(state.mirror_objects())
+                group.create_task(state.mirror_faults(self._suffer))
                 group.create_task(state.save_vehicles())
                 group.create_task(self._report())
         finally:
@@ -95,8 +99,15 @@ class LabService:
         for index, camera in enumerate(cameras):
             renderer = await loop.run_in_executor(executor, CameraRenderer, self._lab, camera.id)
             ring = frame_ring(self._settings.state, camera.id)
-            self.feeds.append(CameraFeed(renderer, ring, index / len(cameras), executor))
+            feed = CameraFeed(self._lab, renderer, ring, index / len(cameras), executor)
+            feed.fault = self._faults.get(camera.id)
+            self.feeds.append(feed)
             _logger.info("camera %s runs, %g frames per second into %s", camera.id, camera.rate_hz, ring)
+
+    def _suffer(self, faults: Mapping[str, CameraFault]) -> None:
+        self._faults = faults
+        for feed in self.feeds:
+            feed.fault = faults.get(feed.camera_id)
 
     async def _report(self) -> None:
         while True:

@@ -1,9 +1,11 @@
-"""The simulated lab and Redis: takes up what should stand on the floor, keeps where the vehicles stand, publishes the truth.
+"""The simulated lab and Redis: takes up what should stand on the floor and what cameras should suffer, keeps where the
+vehicles stand, publishes the truth.
 
 All of it goes on without Redis and catches up when it is back; only what Redis says is gone is taken away.
 """
 
 import logging
+from collections.abc import Callable, Mapping
 from typing import Any, cast
 
 import redis
@@ -16,7 +18,7 @@ from protocol.channels import GROUND_TRUTH, LAB_INSTANCE
 from protocol.clock import Clock
 from protocol.codec import decode, encode
 from protocol.errors import DecodeError
-from protocol.messages import SimulatedObject, TruePose
+from protocol.messages import CameraFault, SimulatedObject, TruePose
 
 _TRUTH_PERIOD_S = 1.0 / GROUND_TRUTH.rate_hz
 _OBJECTS_PERIOD_S = 0.2
@@ -74,6 +76,20 @@ class SharedState:
             else:
                 self._note(None)
                 self._take_up(wanted)
+            await self._clock.sleep(_OBJECTS_PERIOD_S)
+
+    async def mirror_faults(self, suffer: Callable[[Mapping[str, CameraFault]], None]) -> None:
+        """Tells `suffer` what the cameras are to suffer, by camera id, whenever that changes."""
+        before: dict[str, bytes] = {}
+        while True:
+            try:
+                wanted = await self._hash(keys.SIMULATED_FAULTS)
+            except redis.RedisError as error:
+                self._note(error)
+            else:
+                if wanted != before:
+                    suffer(_faults(wanted))
+                before = wanted
             await self._clock.sleep(_OBJECTS_PERIOD_S)
 
     async def save_vehicles(self) -> None:
@@ -136,3 +152,13 @@ class SharedState:
         elif error is None and self._away:
             _logger.info("Redis is back")
         self._away = error is not None
+
+
+def _faults(wanted: Mapping[str, bytes]) -> dict[str, CameraFault]:
+    faults: dict[str, CameraFault] = {}
+    for camera, data in wanted.items():
+        try:
+            faults[camera] = decode(CameraFault, data)
+        except DecodeError as error:
+            _logger.warning("ignored the fault of camera %s: %s", camera, error)
+    return faults

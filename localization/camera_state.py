@@ -24,6 +24,7 @@ class CameraStatistics:
     def __init__(self, start_s: float) -> None:
         self._done: deque[_Done] = deque()
         self._start_s = start_s
+        self._problem_since_ns: int | None = None
         self.frames = 0
 
     def add(self, detections: FrameDetections, now_s: float) -> None:
@@ -33,17 +34,21 @@ class CameraStatistics:
         self.frames += 1
 
     def state(self, source: SourceState, pipeline: CameraPipeline, now_s: float, now_ns: int) -> CameraState:
-        """The message; its `error` is the source's, or else what is wrong with the calibration."""
+        """The message; its `error` is the source's, or else what is wrong with the calibration. To be called often: since when
+        a calibration is wrong is known from the calls."""
         while self._done and now_s - self._done[0].at_s > _WINDOW_S:
             self._done.popleft()
         span_s = min(_WINDOW_S, max(0.1, now_s - self._start_s))
         stages = {stage for done in self._done for stage in done.timings_ms}
-        extrinsics = pipeline.extrinsics
+        extrinsics, problem = pipeline.extrinsics, pipeline.problem
+        # A problem's words change with its numbers, not its beginning.
+        self._problem_since_ns = None if problem is None else self._problem_since_ns or now_ns
         return CameraState(
             camera=pipeline.spec.id,
             stamp_ns=now_ns,
             connected=source.connected,
-            error=source.error or pipeline.problem,
+            error=source.error or problem,
+            error_since_ns=source.error_since_ns if source.error else self._problem_since_ns,
             width=pipeline.spec.width,
             height=pipeline.spec.height,
             rate_hz=len(self._done) / span_s,

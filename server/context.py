@@ -19,6 +19,7 @@ from server.live.hub import LiveHub
 from server.live.latch import EmergencyStopLatch
 from server.repositories.assignments import AssignmentRepository
 from server.repositories.calibration import CalibrationRepository
+from server.repositories.camera_faults import CameraFaultRepository
 from server.repositories.documents import Store
 from server.repositories.manual import ManualDriveRepository
 from server.repositories.plan import RouteRepository, WaypointRepository
@@ -54,6 +55,7 @@ class Context:
     emergency_stop: EmergencyStopLatch
     manual: ManualDriveRepository
     objects: SimulatedObjectRepository
+    faults: CameraFaultRepository
     calibration: CalibrationRepository
 
     @classmethod
@@ -91,6 +93,7 @@ class Context:
             emergency_stop=hub.latch,
             manual=ManualDriveRepository(store, clock),
             objects=SimulatedObjectRepository(store, clock),
+            faults=CameraFaultRepository(store, lab, clock),
             calibration=CalibrationRepository(store, lab, clock),
         )
 

@@ -166,11 +166,11 @@ class _Problems:
             )
             yield _problem("error", camera, since_ns, text)
         elif not state.connected or state.error:
-            since_ns = self._stamp(DETECTIONS, camera) if self._bad(DETECTIONS, camera) else None
-            text = f"{camera}: {state.error or 'not connected'}"
-            if self._bad(DETECTIONS, camera):
-                text += f"; no frames{self._since(since_ns)}"
-            yield _problem("error", camera, since_ns, text)
+            since_ns = state.error_since_ns
+            if since_ns is None and self._bad(DETECTIONS, camera):
+                since_ns = self._stamp(DETECTIONS, camera)
+            since = f",{self._since(since_ns)}" if since_ns else ""
+            yield _problem("error", camera, since_ns, f"{camera}: {state.error or 'not connected'}{since}")
         elif self._bad(DETECTIONS, camera):
             since_ns = self._stamp(DETECTIONS, camera)
             yield _problem("error", camera, since_ns, f"no frames from {camera}{self._since(since_ns)}")

@@ -45,7 +45,15 @@ from protocol.messages.sight import (
     FrameDetections,
     TrackedPose,
 )
-from protocol.messages.simulated import DriveSetpoint, GroundTruth, Odometry, SimulatedObject, TruePose
+from protocol.messages.simulated import (
+    CameraFault,
+    DriveSetpoint,
+    FaultKind,
+    GroundTruth,
+    Odometry,
+    SimulatedObject,
+    TruePose,
+)
 from protocol.messages.system import Event, EventLevel, ProcessState
 
 __all__ = [
@@ -59,6 +67,7 @@ __all__ = [
     "CalibrationRun",
     "CameraComparison",
     "CameraExtrinsics",
+    "CameraFault",
     "CameraState",
     "Command",
     "Detection",
@@ -66,6 +75,7 @@ __all__ = [
     "EmergencyStop",
     "Event",
     "EventLevel",
+    "FaultKind",
     "FloorRaster",
     "FloorTagComparison",
     "FloorTagSighting",

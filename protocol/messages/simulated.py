@@ -1,15 +1,19 @@
-"""Between the simulated lab and its users: vehicles' drives, things put on the floor, and the ground truth.
+"""Between the simulated lab and its users: vehicles' drives, things put on the floor, faults of cameras, the ground truth.
 
 Drive set-points and odometry stand for the cable between a robot's computer and its base; the ground truth is for tests
 and experiments alone.
 """
 
+from enum import StrEnum
 from typing import Annotated, Literal
 
 from msgspec import Struct
 from pydantic import ConfigDict, Field
 
 from protocol.messages.base import Finite, Identifier, Message
+
+_Shift = Annotated[float, Field(ge=-0.5, le=0.5)]
+_Tilt = Annotated[float, Field(ge=-0.1, le=0.1)]
 
 
 class DriveSetpoint(Struct, frozen=True, forbid_unknown_fields=True):
@@ -69,3 +73,32 @@ class SimulatedObject(Message):
     yaw: Finite = 0.0
     path: tuple[tuple[Finite, Finite], ...] = ()
     speed_mps: Annotated[float, Field(ge=0, le=3)] = 0.0
+
+
+class FaultKind(StrEnum):
+    """What a simulated camera may be made to do: `stall` (it stays connected and sends nothing), `unplug` (it is gone), `noise`
+    (frames of random pixels), `resize` (frames of half the size), `cover` (something hangs in front of a part of the view),
+    `bump` (its mount is moved)."""
+
+    STALL = "stall"
+    UNPLUG = "unplug"
+    NOISE = "noise"
+    RESIZE = "resize"
+    COVER = "cover"
+    BUMP = "bump"
+
+
+class CameraFault(Message):
+    """What is wrong with a simulated camera until it is taken back. `cover_share` is the part of the image's width, from the
+    left, that is covered; `shift_*` is how far a bump moved the mount (m, map frame), `tilt_*` how far it turned it (rad, added
+    to the mount's own)."""
+
+    model_config = ConfigDict(json_schema_extra={"examples": [{"kind": "bump", "shift_x_m": 0.02}]})
+
+    kind: FaultKind
+    cover_share: Annotated[float, Field(gt=0, le=1)] = 1.0
+    shift_x_m: _Shift = 0.0
+    shift_y_m: _Shift = 0.0
+    shift_z_m: _Shift = 0.0
+    tilt_x: _Tilt = 0.0
+    tilt_y: _Tilt = 0.0

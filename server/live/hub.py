@@ -38,6 +38,7 @@ from protocol.errors import BusUnavailableError, DecodeError
 from protocol.lab import Lab
 from protocol.messages import (
     CameraExtrinsics,
+    CameraFault,
     CameraState,
     EmergencyStop,
     Event,
@@ -53,6 +54,7 @@ from server.live.feeds import CommandFeeds
 from server.live.latch import EmergencyStopLatch
 from server.live.reading import read_extrinsics
 from server.live.sections import Item, Sections
+from server.repositories.camera_faults import CAMERA_FAULTS
 from server.repositories.changes import changes
 from server.repositories.documents import Documents, Store
 from server.repositories.emergency_stop import EmergencyStopRepository, read_emergency_stop
@@ -101,6 +103,7 @@ class LiveHub:
         self._waypoints: dict[str, Waypoint] = {}
         self._routes: dict[str, Route] = {}
         self._objects: dict[str, SimulatedObject] = {}
+        self._faults: dict[str, CameraFault] = {}
         self._extrinsics: dict[str, CameraExtrinsics] = {}
         self._away_since_ns: int | None = None
         self._last_event: bytes | None = None
@@ -113,6 +116,7 @@ class LiveHub:
             WAYPOINTS.key: self._read_waypoints,
             ROUTES.key: self._read_routes,
             SIMULATED_OBJECTS.key: self._read_objects,
+            CAMERA_FAULTS.key: self._read_faults,
             ASSIGNMENTS.key: self._read_assignments,
             ROBOT_SETTINGS.key: self._read_settings,
             keys.stream(EVENTS.name): self._read_events,
@@ -194,6 +198,9 @@ class LiveHub:
     async def _read_objects(self) -> None:
         self._objects = await self._all(SIMULATED_OBJECTS)
 
+    async def _read_faults(self) -> None:
+        self._faults = await self._all(CAMERA_FAULTS)
+
     async def _read_assignments(self) -> None:
         self._fleet.assignments = await self._all(ASSIGNMENTS)
 
@@ -273,7 +280,10 @@ class LiveHub:
         robots = [robot_view(vehicle, fleet, now_ns) for vehicle in self._lab.vehicles]
         sections.replace("robots", {view.id: Item(view, view.without_ages()) for view in robots})
         states = cast("dict[str, CameraState]", self._latest[CAMERA_STATES.name])
-        cameras = [camera_view(c, states.get(c.id), self._extrinsics.get(c.id), now_ns) for c in self._lab.cameras]
+        cameras = [
+            camera_view(c, states.get(c.id), self._extrinsics.get(c.id), now_ns, self._faults.get(c.id))
+            for c in self._lab.cameras
+        ]
         sections.replace("cameras", {view.id: Item(view, view.without_ages()) for view in cameras})
         sections.replace("waypoints", {name: Item(waypoint) for name, waypoint in self._waypoints.items()})
         sections.replace("routes", {name: Item(route) for name, route in self._routes.items()})

@@ -27,9 +27,11 @@ _CameraId = Annotated[str, Path(pattern=r"^[a-z0-9][a-z0-9_-]{0,31}$", examples=
 async def list_cameras(_identity: Viewer, context: Ctx) -> list[CameraView]:
     """Every camera of the lab description with its state, its place and the floor that it sees."""
     states = await context.bus.latest_all(CAMERA_STATES)
-    extrinsics = await read_extrinsics(context.bus)
+    extrinsics, faults = await read_extrinsics(context.bus), await context.faults.all()
     now_ns = context.clock.now_ns()
-    return [camera_view(c, states.get(c.id), extrinsics.get(c.id), now_ns) for c in context.lab.cameras]
+    return [
+        camera_view(c, states.get(c.id), extrinsics.get(c.id), now_ns, faults.get(c.id)) for c in context.lab.cameras
+    ]
 
 
 @router.get(

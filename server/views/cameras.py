@@ -5,7 +5,7 @@ from pydantic import Field
 from protocol.channels import CAMERA_STATES
 from protocol.lab import CameraSpec, Intrinsics
 from protocol.lab.address import without_password
-from protocol.messages import CameraExtrinsics, CameraState
+from protocol.messages import CameraExtrinsics, CameraFault, CameraState
 from server.views.base import AgeS, Outline, View, age_s
 from server.views.field_of_view import floor_outline
 
@@ -54,6 +54,7 @@ class CameraView(View):
     state: CameraStateView | None
     extrinsics: ExtrinsicsView | None = Field(description="Null until the camera has been calibrated.")
     outline: Outline | None = Field(description="The floor that it sees; null until it has been calibrated.")
+    fault: CameraFault | None = Field(description="What this simulated camera is made to suffer.")
 
     def without_ages(self) -> "CameraView":
         """The same without what changes by time alone, to tell whether anything new is known."""
@@ -61,7 +62,11 @@ class CameraView(View):
 
 
 def camera_view(
-    camera: CameraSpec, state: CameraState | None, extrinsics: CameraExtrinsics | None, now_ns: int
+    camera: CameraSpec,
+    state: CameraState | None,
+    extrinsics: CameraExtrinsics | None,
+    now_ns: int,
+    fault: CameraFault | None = None,
 ) -> CameraView:
     """How the camera looks at `now_ns`."""
     return CameraView(
@@ -85,6 +90,7 @@ def camera_view(
         outline=None
         if extrinsics is None
         else floor_outline(camera.model(), extrinsics.rotvec, extrinsics.translation),
+        fault=fault,
     )
 
 

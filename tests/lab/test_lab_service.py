@@ -20,7 +20,7 @@ from protocol.codec import decode, encode
 from protocol.datagram import Datagram, pack
 from protocol.frames import Frame, FrameReader
 from protocol.lab import load_lab
-from protocol.messages import DriveSetpoint, GroundTruth, Odometry, SimulatedObject, TruePose
+from protocol.messages import CameraFault, DriveSetpoint, FaultKind, GroundTruth, Odometry, SimulatedObject, TruePose
 from protocol.settings import Settings, frame_ring
 from tests.lab.laboratory import PATIENCE_S, RobotComputer, robot_computer, settings_for, write_lab
 from tests.redis_fixture import RedisServer
@@ -304,3 +304,62 @@ async def test_a_taken_port_is_named(settings: Settings) -> None:
         await until(lambda: first.feeds, "it runs")
         with pytest.raises(PortTakenError, match=f"127.0.0.1:{port}"):
             await LabService(load_lab(settings.lab), settings, SystemClock()).run()
+
+
+def shifted(reader: FrameReader, seen: list[Frame], before: np.ndarray[tuple[int, ...], np.dtype[np.int_]]) -> bool:
+    """Whether the newest frame shows the room from elsewhere: edges all over the picture differ."""
+    frame = reader.newest()
+    if frame is not None:
+        seen.append(frame)
+    return bool(seen) and int((np.abs(seen[-1].pixels.astype(int) - before) > 40).sum()) > 150
+
+
+async def test_cameras_suffer_what_their_hash_says_until_it_is_taken_back(settings: Settings, redis_url: str) -> None:
+    with redis.Redis.from_url(redis_url) as client:
+
+        def suffer(**fault: object) -> None:
+            client.hset(keys.SIMULATED_FAULTS, "cam0", encode(CameraFault.model_validate(fault)))
+
+        async with running(settings):
+            path = frame_ring(settings.state, "cam0")
+            with await ring(settings, "cam0") as reader, await ring(settings, "cam1") as other:
+                good = (await frames(reader, 1))[0].pixels.astype(int)
+                client.hset(keys.SIMULATED_FAULTS, "cam1", b"junk")
+
+                suffer(kind=FaultKind.STALL)
+                while not await _silent(reader, other):
+                    pass
+                assert not reader.replaced(), "it stays connected"
+
+                suffer(kind=FaultKind.NOISE)
+                await until(lambda: (frame := reader.newest()) is not None and frame.pixels.std() > 70, "garbage")
+
+                suffer(kind=FaultKind.COVER, cover_share=0.5)
+                await until(lambda: (frame := reader.newest()) and frame.pixels[:, :240].mean() < 15, "a dark half")
+
+                suffer(kind=FaultKind.BUMP, shift_x_m=0.05)
+                await until(lambda: shifted(reader, [], good), "it hangs elsewhere")
+                client.hdel(keys.SIMULATED_FAULTS, "cam0")
+                await until(lambda: (frame := reader.newest()) and _alike(frame, good), "it is back in its place")
+
+                suffer(kind=FaultKind.UNPLUG)
+                await until(lambda: not path.exists(), "it is gone")
+                assert reader.replaced()
+            suffer(kind=FaultKind.RESIZE)
+            with await ring(settings, "cam0") as reader:
+                assert (await frames(reader, 1))[0].pixels.shape == (135, 240)
+                client.hdel(keys.SIMULATED_FAULTS, "cam0")
+                await until(reader.replaced, "well again")
+            with await ring(settings, "cam0") as reader:
+                assert _alike((await frames(reader, 1))[0], good)
+
+
+async def _silent(reader: FrameReader, other: FrameReader) -> bool:
+    """Whether this camera sends nothing while the other one sends ten frames."""
+    reader.newest()
+    await frames(other, 10)
+    return reader.newest() is None
+
+
+def _alike(frame: Frame, good: np.ndarray[tuple[int, ...], np.dtype[np.int_]]) -> bool:
+    return frame.pixels.shape == good.shape and int((np.abs(frame.pixels.astype(int) - good) > 40).sum()) < 50

@@ -51,6 +51,8 @@ CASES: dict[str, Case] = {
     "create_simulated_object": ("/sim/objects", PALLET, OPERATORS),
     "put_simulated_object": ("/sim/objects/crate", {**PALLET, "id": "crate"}, OPERATORS),
     "delete_simulated_object": ("/sim/objects/crate", None, OPERATORS),
+    "put_camera_fault": ("/sim/cameras/cam1/fault", {"kind": "stall"}, OPERATORS),
+    "delete_camera_fault": ("/sim/cameras/cam1/fault", None, OPERATORS),
     "start_calibration": ("/calibration", {"cameras": ["cam0"]}, OPERATORS),
     "accept_calibration": ("/calibration/accept", {"id": 5}, OPERATORS),
     "discard_calibration": ("/calibration/discard", {"id": 5}, OPERATORS),
@@ -94,6 +96,7 @@ async def service(redis_url: str) -> AsyncGenerator[Service]:
             await _ok(operator.put(f"/api/robots/{robot}/assignment", json={"route": "driven"}))
         await _ok(operator.post("/api/robots/turtlebot-16/assignment/pause"))
         await _ok(operator.post("/api/sim/objects", json={**PALLET, "id": "crate"}))
+        await _ok(operator.put("/api/sim/cameras/cam1/fault", json={"kind": "stall"}))
         yield service
 
 

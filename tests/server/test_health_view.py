@@ -5,6 +5,7 @@ from datetime import UTC
 from typing import Any
 
 import pytest
+from msgspec.structs import replace
 
 from protocol.channels import CHANNELS, COMMANDS, POSES, Channel, Delivery, Instances
 from protocol.messages import CameraState, ProcessState
@@ -117,7 +118,16 @@ def test_a_camera_says_itself_what_is_wrong() -> None:
     cameras["cam1"] = camera_state("cam1", NOW_NS, "frame of 640 x 480, the lab file says 1920 x 1080")
     view = judge(late(all_fresh(), "cam1", 90000, "detections", "rasters"), cameras)
     (text,) = texts(view)
-    assert text.startswith("cam1: frame of 640 x 480, the lab file says 1920 x 1080; no frames since 2023-11-13 ")
+    assert text.startswith("cam1: frame of 640 x 480, the lab file says 1920 x 1080, since 2023-11-13 ")
+
+
+def test_a_camera_says_since_when() -> None:
+    cameras = {camera: camera_state(camera, NOW_NS) for camera in CAMERAS}
+    since_ns = NOW_NS - 3_200_000_000
+    cameras["cam2"] = replace(camera_state("cam2", NOW_NS, "no frame for 3.2 s"), error_since_ns=since_ns)
+    (problem,) = judge(late(all_fresh(), "cam2", 3.2, "detections"), cameras).problems
+    assert problem.text == "cam2: no frame for 3.2 s, since 23:13:16"
+    assert (problem.severity, problem.source, problem.since_ns) == ("error", "cam2", since_ns)
 
 
 def test_a_dead_camera_process_is_said_once() -> None:

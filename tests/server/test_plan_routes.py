@@ -243,3 +243,23 @@ async def test_simulated_objects(operator: httpx.AsyncClient) -> None:
     assert (await operator.delete("/api/sim/objects/pallet")).status_code == 204
     assert (await operator.delete("/api/sim/objects/pallet")).status_code == 404
     assert (await operator.get("/api/sim/objects")).json() == []
+
+
+async def test_simulated_cameras_suffer_faults_until_they_are_taken_back(service: Service) -> None:
+    operator = service.http("operator")
+
+    async def fault() -> Any:
+        return {camera["id"]: camera["fault"] for camera in (await operator.get("/api/cameras")).json()}["cam1"]
+
+    assert await fault() is None
+    bump = {"kind": "bump", "shift_x_m": 0.02}
+    assert (await operator.put("/api/sim/cameras/cam1/fault", json=bump)).status_code == 200
+    assert (await fault())["shift_x_m"] == 0.02
+    assert (await operator.put("/api/sim/cameras/cam1/fault", json={"kind": "bump", "shift_x_m": 9})).status_code == 422
+    answer = await operator.put("/api/sim/cameras/cam9/fault", json=bump)
+    assert (answer.status_code, answer.json()["detail"]) == (404, "there is no simulated camera 'cam9'")
+    assert (await operator.delete("/api/sim/cameras/cam1/fault")).status_code == 204
+    assert (await operator.delete("/api/sim/cameras/cam1/fault")).status_code == 404
+    assert await fault() is None
+    kinds = [event["kind"] for event in (await operator.get("/api/events")).json()]
+    assert kinds[-2:] == ["fault_begun", "fault_ended"]

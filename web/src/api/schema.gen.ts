@@ -627,6 +627,31 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/sim/cameras/{camera_id}/fault": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        /**
+         * Have a camera suffer a fault
+         * @description A simulated camera stalls, is unplugged, sends garbage, is covered or bumped, until the fault is taken back; shown as
+         *     the camera's `fault`. 404 for a camera that is not simulated.
+         */
+        put: operations["put_camera_fault"];
+        post?: never;
+        /**
+         * End a camera's fault
+         * @description The camera is as it was before; one that was bumped is moved back.
+         */
+        delete: operations["delete_camera_fault"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/users": {
         parameters: {
             query?: never;
@@ -719,6 +744,46 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/timings": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Runs with stage timings
+         * @description Newest first.
+         */
+        get: operations["list_timing_runs"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/timings/{run}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * A run's stage timings
+         * @description Box plots and time graphs, per stage and kind of process. With `last_s`, those of a run that goes on.
+         */
+        get: operations["get_timings"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
 }
 export type webhooks = Record<string, never>;
 export interface components {
@@ -799,6 +864,33 @@ export interface components {
             distance_m: number;
             /** Robot */
             robot?: string | null;
+        };
+        /**
+         * BoxView
+         * @description A box plot's numbers in ms: quartiles (linear interpolation), whiskers `low` and `high` at the last value within 1.5 IQR,
+         *     how many `outliers` lie beyond them, and some of those for a picture.
+         */
+        BoxView: {
+            /** Count */
+            count: number;
+            /** Low */
+            low: number;
+            /** Q1 */
+            q1: number;
+            /** Median */
+            median: number;
+            /** Q3 */
+            q3: number;
+            /** High */
+            high: number;
+            /** Mean */
+            mean: number;
+            /** P99 */
+            p99: number;
+            /** Outliers */
+            outliers: number;
+            /** Outlier Values */
+            outlier_values: number[];
         };
         /**
          * CalibratedCamera
@@ -1008,6 +1100,49 @@ export interface components {
             floor_std_after_m: number | null;
         };
         /**
+         * CameraFault
+         * @description What is wrong with a simulated camera until it is taken back. `cover_share` is the part of the image's width, from the
+         *     left, that is covered; `shift_*` is how far a bump moved the mount (m, map frame), `tilt_*` how far it turned it (rad, added
+         *     to the mount's own).
+         * @example {
+         *       "kind": "bump",
+         *       "shift_x_m": 0.02
+         *     }
+         */
+        CameraFault: {
+            kind: components["schemas"]["FaultKind"];
+            /**
+             * Cover Share
+             * @default 1
+             */
+            cover_share: number;
+            /**
+             * Shift X M
+             * @default 0
+             */
+            shift_x_m: number;
+            /**
+             * Shift Y M
+             * @default 0
+             */
+            shift_y_m: number;
+            /**
+             * Shift Z M
+             * @default 0
+             */
+            shift_z_m: number;
+            /**
+             * Tilt X
+             * @default 0
+             */
+            tilt_x: number;
+            /**
+             * Tilt Y
+             * @default 0
+             */
+            tilt_y: number;
+        };
+        /**
          * CameraSpec
          * @description A ceiling camera. `source` is `sim`, a path, a URL, or a V4L2 device number.
          */
@@ -1109,6 +1244,8 @@ export interface components {
                 number,
                 number
             ][] | null;
+            /** @description What this simulated camera is made to suffer. */
+            fault: components["schemas"]["CameraFault"] | null;
         };
         /**
          * ChannelView
@@ -1265,6 +1402,14 @@ export interface components {
             /** Floor Tags */
             floor_tags: number[];
         };
+        /**
+         * FaultKind
+         * @description What a simulated camera may be made to do: `stall` (it stays connected and sends nothing), `unplug` (it is gone), `noise`
+         *     (frames of random pixels), `resize` (frames of half the size), `cover` (something hangs in front of a part of the view),
+         *     `bump` (its mount is moved).
+         * @enum {string}
+         */
+        FaultKind: "stall" | "unplug" | "noise" | "resize" | "cover" | "bump";
         /**
          * FloorTagComparison
          * @description How far (m) a proposal puts a floor tag from where it is expected now, and which cameras saw it.
@@ -2142,6 +2287,32 @@ export interface components {
          */
         RunState: "collecting" | "refining" | "proposed" | "failed" | "accepted" | "discarded";
         /**
+         * RunTimingsView
+         * @description A run's stages in the order in which they happen, kind by kind.
+         */
+        RunTimingsView: {
+            /** Name */
+            name: string;
+            /** Start Ns */
+            start_ns: number;
+            /** Processes */
+            processes: string[];
+            /** Stages */
+            stages: components["schemas"]["StageView"][];
+        };
+        /**
+         * SeriesView
+         * @description A time graph: seconds since the run's start, and the median and highest ms of each short while.
+         */
+        SeriesView: {
+            /** Seconds */
+            seconds: number[];
+            /** Median */
+            median: number[];
+            /** Highest */
+            highest: number[];
+        };
+        /**
          * SessionView
          * @description Who is logged in; `robot` is the one that a robot's token is bound to.
          */
@@ -2195,6 +2366,24 @@ export interface components {
              * @default 0
              */
             speed_mps: number;
+        };
+        /**
+         * StageView
+         * @description A stage of a kind of process, over all processes of that kind.
+         */
+        StageView: {
+            /**
+             * Kind
+             * @example camera
+             */
+            kind: string;
+            /**
+             * Stage
+             * @example total
+             */
+            stage: string;
+            box: components["schemas"]["BoxView"];
+            series: components["schemas"]["SeriesView"];
         };
         /**
          * Start
@@ -2284,6 +2473,29 @@ export interface components {
             y: number;
             /** Yaw */
             yaw?: number | null;
+        };
+        /**
+         * TimingRunView
+         * @description A run whose timings this server's machine has: one start of the system there. `newest_ns` is when it was last written
+         *     to.
+         */
+        TimingRunView: {
+            /** Name */
+            name: string;
+            /** Start Ns */
+            start_ns: number;
+            /** Newest Ns */
+            newest_ns: number;
+            /** Lab */
+            lab: string;
+            /** Machine */
+            machine: string;
+            /** Version */
+            version: string;
+            /** Processes */
+            processes: string[];
+            /** Size Bytes */
+            size_bytes: number;
         };
         /**
          * TokenView
@@ -2528,6 +2740,7 @@ export type Area = components['schemas']['Area'];
 export type Assignment = components['schemas']['Assignment'];
 export type AssignmentState = components['schemas']['AssignmentState'];
 export type Blockage = components['schemas']['Blockage'];
+export type BoxView = components['schemas']['BoxView'];
 export type CalibratedCamera = components['schemas']['CalibratedCamera'];
 export type CalibratedFloorTag = components['schemas']['CalibratedFloorTag'];
 export type Calibration = components['schemas']['Calibration'];
@@ -2535,6 +2748,7 @@ export type CalibrationProposal = components['schemas']['CalibrationProposal'];
 export type CalibrationRun = components['schemas']['CalibrationRun'];
 export type CalibrationView = components['schemas']['CalibrationView'];
 export type CameraComparison = components['schemas']['CameraComparison'];
+export type CameraFault = components['schemas']['CameraFault'];
 export type CameraSpec = components['schemas']['CameraSpec'];
 export type CameraStateView = components['schemas']['CameraStateView'];
 export type CameraView = components['schemas']['CameraView'];
@@ -2548,6 +2762,7 @@ export type Engage = components['schemas']['Engage'];
 export type Event = components['schemas']['Event'];
 export type EventLevel = components['schemas']['EventLevel'];
 export type ExtrinsicsView = components['schemas']['ExtrinsicsView'];
+export type FaultKind = components['schemas']['FaultKind'];
 export type FloorTagComparison = components['schemas']['FloorTagComparison'];
 export type FloorTags = components['schemas']['FloorTags'];
 export type GuidanceView = components['schemas']['GuidanceView'];
@@ -2590,12 +2805,16 @@ export type RobotView = components['schemas']['RobotView'];
 export type Role = components['schemas']['Role'];
 export type Route = components['schemas']['Route'];
 export type RunState = components['schemas']['RunState'];
+export type RunTimingsView = components['schemas']['RunTimingsView'];
+export type SeriesView = components['schemas']['SeriesView'];
 export type SessionView = components['schemas']['SessionView'];
 export type SimulatedObject = components['schemas']['SimulatedObject'];
+export type StageView = components['schemas']['StageView'];
 export type Start = components['schemas']['Start'];
 export type StartCalibration = components['schemas']['StartCalibration'];
 export type StatusView = components['schemas']['StatusView'];
 export type Target = components['schemas']['Target'];
+export type TimingRunView = components['schemas']['TimingRunView'];
 export type TokenView = components['schemas']['TokenView'];
 export type Twist = components['schemas']['Twist'];
 export type UdpView = components['schemas']['UdpView'];
@@ -5642,6 +5861,160 @@ export interface operations {
             };
         };
     };
+    put_camera_fault: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                camera_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["CameraFault"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["CameraFault"];
+                };
+            };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    delete_camera_fault: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                camera_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     list_users: {
         parameters: {
             query?: never;
@@ -6099,6 +6472,140 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content?: never;
+            };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_timing_runs: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["TimingRunView"][];
+                };
+            };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_timings: {
+        parameters: {
+            query?: {
+                last_s?: number | null;
+            };
+            header?: never;
+            path: {
+                run: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["RunTimingsView"];
+                };
             };
             /** @description The body is not JSON. */
             400: {

@@ -3,6 +3,7 @@ import { Alert, Badge, Card, Group, SimpleGrid, Text } from "@mantine/core";
 import type { CameraView } from "../api/types";
 import { useLive } from "../live/store";
 import { formatStamp, withSince } from "../ui/format";
+import { FaultMenu } from "./FaultMenu";
 import { Preview } from "./Preview";
 import { StageTimings } from "./StageTimings";
 
@@ -10,7 +11,7 @@ export function CameraCard({ camera }: { readonly camera: CameraView }) {
   const { state } = camera;
   const problem = useLive((live) => live.state.health?.problems.find(({ source }) => source === camera.id));
   const isWell = state?.fresh === true && state.connected && state.error === null;
-  const wrong = problem ? withSince(problem) : (state?.error ?? describeSilence(camera));
+  const wrong = problem ? withSince(problem) : describeTrouble(camera);
   return (
     <Card withBorder padding="sm" data-testid={`camera-${camera.id}`} data-ok={isWell}>
       <Card.Section>
@@ -18,9 +19,12 @@ export function CameraCard({ camera }: { readonly camera: CameraView }) {
       </Card.Section>
       <Group justify="space-between" mt="sm">
         <Text fw={600}>{camera.id}</Text>
-        <Badge variant="dot" tt="none" color={isWell ? "teal" : "red"}>
-          {isWell ? "working" : "not working"}
-        </Badge>
+        <Group gap="xs">
+          {camera.source === "sim" && <FaultMenu camera={camera.id} fault={camera.fault} />}
+          <Badge variant="dot" tt="none" color={isWell ? "teal" : "red"}>
+            {isWell ? "working" : "not working"}
+          </Badge>
+        </Group>
       </Group>
       {!isWell && (
         <Alert color="red" p="xs" mt="xs">
@@ -51,8 +55,9 @@ export function CameraCard({ camera }: { readonly camera: CameraView }) {
   );
 }
 
-function describeSilence({ id, state }: CameraView): string {
+function describeTrouble({ id, state }: CameraView): string {
   if (!state) return `${id} has never reported; is its process running?`;
+  if (state.fresh && state.error !== null) return withSince({ text: state.error, since_ns: state.error_since_ns });
   return `Nothing heard from ${id} since ${formatStamp(state.stamp_ns)}`;
 }
 
