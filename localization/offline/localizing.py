@@ -21,15 +21,19 @@ from protocol.messages import Calibration, FrameDetections, TrackedPose
 
 _FULL_SEARCHES_HZ = 15.0
 """A newcomer costs at most this share of a second of its poses; quality goes before speed here."""
+_ODD_SHARE = 0.05
+"""So many of a vehicle's sights without a pose are worth a word."""
 
 
 @dataclass
 class Statistics:
-    """What happened: frames and poses by camera and vehicle, and sentences for people, each once."""
+    """What happened: frames, broken ones and detections by camera; by vehicle the capture times at which it was seen and those at
+    which that gave a pose; and sentences for people, each once."""
 
     frames: Counter[str] = field(default_factory=Counter[str])
     broken: Counter[str] = field(default_factory=Counter[str])
     detections: Counter[str] = field(default_factory=Counter[str])
+    sights: Counter[str] = field(default_factory=Counter[str])
     poses: Counter[str] = field(default_factory=Counter[str])
     warnings: dict[str, str] = field(default_factory=dict[str, str])
 
@@ -55,6 +59,7 @@ class Localization:
             camera.spec.id: _Line(lab, camera.spec.id, calibration, self.full_search_every) for camera in self._cameras
         }
         self._tracker = Tracker(lab)
+        self._wearers = {(vehicle.tag.family, vehicle.tag.id): vehicle.id for vehicle in lab.vehicles}
         self._newest: dict[str, TrackedPose] = {}
         self.statistics = Statistics()
 
@@ -68,6 +73,14 @@ class Localization:
         the lab file does not describe."""
         for instant in instants(self._cameras, self._executor):
             yield self._localized(instant)
+        for vehicle, seen in self.statistics.sights.items():
+            without = seen - self.statistics.poses[vehicle]
+            if without > _ODD_SHARE * seen:
+                text = (
+                    f"{vehicle}: {without} of {seen} times it was seen where its track had no place for it; does it move"
+                    " faster than its limits in the lab file say, or is its tag's id there twice?"
+                )
+                self.statistics.warn_once(f"sights {vehicle}", text)
 
     def _localized(self, instant: list[RecordedFrame]) -> list[TrackedPose]:
         pending = [
@@ -82,8 +95,10 @@ class Localization:
                 self.statistics.warn_once(f"broken {item.camera}", f"{item.problem}; it is left out, and so are others")
         found = [task.result() for task in pending]
         updated: dict[tuple[int, str], TrackedPose] = {}
+        seen: set[tuple[int, str]] = set()
         for detections in found:  # in the order of capture time
             self._note(detections)
+            seen |= {(detections.stamp_ns, self._wearers[d.family, d.tag_id]) for d in detections.detections}
             for pose in self._tracker.update(detections):
                 updated[pose.stamp_ns, pose.vehicle] = pose
         self._newest = {**self._newest, **{pose.vehicle: pose for pose in updated.values()}}
@@ -91,6 +106,7 @@ class Localization:
             self.statistics.warn_once(f"duplicate {duplicate.vehicle}", f"at {duplicate.stamp_ns} ns: {duplicate}")
         ordered = [updated[key] for key in sorted(updated)]
         self.statistics.poses.update(pose.vehicle for pose in ordered)
+        self.statistics.sights.update(vehicle for _, vehicle in seen)
         return ordered
 
     def _note(self, detections: FrameDetections) -> None:
