@@ -114,6 +114,7 @@ def _live(arguments: argparse.Namespace, lab: Lab, cameras: list[str], folder: R
         if count.error is not None:
             progress(f"warning: {camera}: {count.error}")
     if not folder.frames.total():
+        folder.discard()
         raise LauncherError(
             "no camera gave a frame; is the system running (./lilliput up), are the cameras plugged in?"
         )

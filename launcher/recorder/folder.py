@@ -1,5 +1,6 @@
 """A recording being written: one folder of pictures per camera, named by capture time, and the lab file beside them."""
 
+import shutil
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
@@ -46,6 +47,10 @@ class RecordingFolder:
         except OSError as error:
             raise LauncherError(f"{file} cannot be written: {error.strerror}") from error
         self.frames[camera] += 1
+
+    def discard(self) -> None:
+        """Takes away what was begun and came to nothing."""
+        shutil.rmtree(self.path)
 
     def write_lab(self, text: str) -> None:
         """The lab file as it is."""
