@@ -1,0 +1,105 @@
+"""A network camera on loopback, MJPEG over HTTP, that misbehaves on request."""
+
+import threading
+import time
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from typing import Literal
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+Mood = Literal[
+    "well", "absent", "hanging", "garbage", "truncated", "between", "breaking off", "silent", "no lengths", "html"
+]
+
+
+def jpeg(pixels: NDArray[np.uint8], quality: int = 90) -> bytes:
+    """The picture as a camera sends it."""
+    ok, data = cv2.imencode(".jpg", pixels, [cv2.IMWRITE_JPEG_QUALITY, quality])
+    assert ok
+    return data.tobytes()
+
+
+class MjpegCamera:
+    """Sends `picture` at `rate_hz` while `mood` is `well`. Others: `absent` answers 503; `hanging` stops in the middle of a
+    picture and keeps the connection; `silent` connects and sends nothing; `garbage` sends bytes in place of pictures;
+    `between` bytes between them; `truncated` half pictures; `breaking off` ends the connection within a picture; `no lengths`
+    leaves Content-Length away; `html` answers with a page. `stamps`: adds X-Timestamp, off by so many seconds."""
+
+    def __init__(self, picture: bytes, rate_hz: float = 50.0, *, user: str | None = None) -> None:
+        self.picture, self.rate_hz, self.user = picture, rate_hz, user
+        self.mood: Mood = "well"
+        self.stamps_off_s: float | None = None
+        self.connections = 0
+        self._ended = threading.Event()
+        camera = self
+
+        class Handler(BaseHTTPRequestHandler):
+            def do_GET(self) -> None:
+                camera.answer(self)
+
+            def log_message(self, format: str, *args: object) -> None:  # noqa: A002  # the base class's name
+                pass
+
+        self._server = ThreadingHTTPServer(("127.0.0.1", 0), Handler)
+        self._server.daemon_threads = True
+        self._thread = threading.Thread(target=self._server.serve_forever, kwargs={"poll_interval": 0.02})
+        self._thread.start()
+
+    @property
+    def url(self) -> str:
+        user = f"{self.user}@" if self.user else ""
+        return f"http://{user}127.0.0.1:{self._server.server_address[1]}/video"
+
+    def close(self) -> None:
+        self._ended.set()
+        self._server.shutdown()
+        self._server.server_close()
+        self._thread.join()
+
+    def answer(self, request: BaseHTTPRequestHandler) -> None:
+        self.connections += 1
+        if self.mood == "absent":
+            request.send_error(503)
+            return
+        if self.user is not None and request.headers.get("Authorization") is None:
+            request.send_response(401)
+            request.send_header("WWW-Authenticate", 'Basic realm="camera"')
+            request.end_headers()
+            return
+        kind = "text/html" if self.mood == "html" else "multipart/x-mixed-replace; boundary=frame"
+        request.send_response(200)
+        request.send_header("Content-Type", kind)
+        request.end_headers()
+        try:
+            while not self._ended.is_set() and self.mood not in ("absent", "html"):
+                if not self._send(request):
+                    return
+                self._ended.wait(1 / self.rate_hz)
+        except OSError:
+            pass  # the other end hung up
+
+    def _send(self, request: BaseHTTPRequestHandler) -> bool:
+        """One picture; False to end the connection."""
+        data, mood = self.picture, self.mood
+        if mood == "silent":
+            return True
+        length = b"" if mood == "no lengths" else b"Content-Length: %d\r\n" % len(data)
+        stamp = b""
+        if self.stamps_off_s is not None:
+            stamp = b"X-Timestamp: %.6f\r\n" % (time.time() + self.stamps_off_s)
+        if mood == "garbage":
+            data = np.random.default_rng(1).integers(0, 256, len(data), np.uint8).tobytes()
+        elif mood == "truncated":
+            data = data[: len(data) // 2]
+        if mood == "between":
+            request.wfile.write(b"\x00\xffnoise" * 100)
+        head = b"--frame\r\nContent-Type: image/jpeg\r\n" + length + stamp + b"\r\n"
+        if mood in ("hanging", "breaking off"):
+            request.wfile.write(head + data[: len(data) // 2])
+            while mood == "hanging" and self.mood == mood and not self._ended.wait(0.02):
+                pass
+            return False
+        request.wfile.write(head + data + b"\r\n")
+        return True
