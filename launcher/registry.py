@@ -26,6 +26,7 @@ COMMANDS = (
     Command("localize", "turn recorded videos or pictures of a lab's cameras into poses"),
     Command("record", "record the cameras of a simulated or running lab"),
     Command("bench", "measure how fast a part is, beside the published methods"),
+    Command("calibrate", "calibrate cameras and floor tags: of a running system, or from recordings"),
     Command("experiment", "run an experiment in the simulated lab and print its figures"),
     Command("logs", "where the time of the frames went: runs compared, box plots, time graphs"),
     Command("test", "run all tests, browser tests included; further arguments go to pytest", takes_rest=True),

@@ -8,9 +8,9 @@ from datetime import UTC, datetime
 
 import redis.asyncio
 
-from launcher.account_store import with_accounts
 from launcher.lab_file import add_lab_arguments
 from launcher.output import Result, print_result, progress
+from launcher.running_redis import with_redis
 from server.auth import Role, Token, issue_token, list_tokens, revoke_token
 
 
@@ -41,7 +41,7 @@ def _issue(arguments: argparse.Namespace) -> None:
     async def work(client: redis.asyncio.Redis) -> str:
         return await issue_token(client, arguments.name, arguments.role, arguments.robot, replace=arguments.replace)
 
-    token = with_accounts(arguments, work)
+    token = with_redis(arguments, work)
     if arguments.json:
         settings = {"name": arguments.name, "role": arguments.role, "robot": arguments.robot}
         print_result(Result("token", {"token": token}, settings=settings), as_json=True)
@@ -51,7 +51,7 @@ def _issue(arguments: argparse.Namespace) -> None:
 
 
 def _list(arguments: argparse.Namespace) -> None:
-    tokens = with_accounts(arguments, list_tokens)
+    tokens = with_redis(arguments, list_tokens)
     if arguments.json:
         figures = {
             token.id: {
@@ -73,7 +73,7 @@ def _revoke(arguments: argparse.Namespace) -> None:
     async def work(client: redis.asyncio.Redis) -> None:
         await revoke_token(client, arguments.name)
 
-    with_accounts(arguments, work)
+    with_redis(arguments, work)
     if arguments.json:
         print_result(Result("token", {"revoked": arguments.name}), as_json=True)
     else:

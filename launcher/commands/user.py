@@ -10,10 +10,10 @@ import sys
 
 import redis.asyncio
 
-from launcher.account_store import with_accounts
 from launcher.errors import UsageError
 from launcher.lab_file import add_lab_arguments
 from launcher.output import Result, print_result, progress
+from launcher.running_redis import with_redis
 from server.auth import Role, create_user, delete_user, list_users, set_password
 from server.auth.passwords import readable_password
 
@@ -51,7 +51,7 @@ def _add(arguments: argparse.Namespace) -> None:
     async def work(client: redis.asyncio.Redis) -> None:
         await create_user(client, arguments.name, arguments.role, password)
 
-    with_accounts(arguments, work)
+    with_redis(arguments, work)
     _tell(arguments, f"user {arguments.name} of role {arguments.role} may log in", password)
 
 
@@ -61,7 +61,7 @@ def _password(arguments: argparse.Namespace) -> None:
     async def work(client: redis.asyncio.Redis) -> None:
         await set_password(client, arguments.name, password)
 
-    with_accounts(arguments, work)
+    with_redis(arguments, work)
     _tell(arguments, f"user {arguments.name} has a new password", password)
 
 
@@ -69,7 +69,7 @@ def _remove(arguments: argparse.Namespace) -> None:
     async def work(client: redis.asyncio.Redis) -> None:
         await delete_user(client, arguments.name)
 
-    with_accounts(arguments, work)
+    with_redis(arguments, work)
     if arguments.json:
         print_result(Result("user", {"removed": arguments.name}), as_json=True)
     else:
@@ -77,7 +77,7 @@ def _remove(arguments: argparse.Namespace) -> None:
 
 
 def _list(arguments: argparse.Namespace) -> None:
-    users = with_accounts(arguments, list_users)
+    users = with_redis(arguments, list_users)
     if arguments.json:
         print_result(Result("users", {"users": {user.name: str(user.role) for user in users}}), as_json=True)
         return

@@ -1,4 +1,4 @@
-"""How `user` and `token` reach the accounts of a system that runs: its Redis, and the server's refusals in one line."""
+"""How commands reach what a running system keeps: its Redis, and the server's refusals in one line."""
 
 import argparse
 import asyncio
@@ -17,7 +17,7 @@ from server.errors import ServiceError
 T = TypeVar("T")
 
 
-def with_accounts(arguments: argparse.Namespace, work: Callable[[redis.asyncio.Redis], Awaitable[T]]) -> T:
+def with_redis(arguments: argparse.Namespace, work: Callable[[redis.asyncio.Redis], Awaitable[T]]) -> T:
     """Does `work` on the Redis of REDIS_URL, else on the private one of the state folder; LauncherError when it is away,
     UsageError for what the server refuses."""
     url = os.environ.get("REDIS_URL")
