@@ -33,11 +33,25 @@ from server.routes import (
     scene_proxy,
     session,
     simulation,
+    timings,
 )
 from server.security_headers import SecurityHeaders
 from server.status_listener import StatusListener
 
-_ROUTES = (session, lab, robots, robot_side, plan, emergency_stop, cameras, calibration, simulation, accounts, live)
+_ROUTES = (
+    session,
+    lab,
+    robots,
+    robot_side,
+    plan,
+    emergency_stop,
+    cameras,
+    calibration,
+    simulation,
+    accounts,
+    timings,
+    live,
+)
 _LARGEST_BODY = 1 << 20
 _RESTART_S = 1.0
 _CANCEL_AGAIN_S = 0.1

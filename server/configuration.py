@@ -19,6 +19,7 @@ class Configuration:
     redis_url: str = field(repr=False)
     console: Path
     udp_key: bytes | None = field(default=None, repr=False)
+    state: Path = Path(".lilliput")
 
 
 def configuration(settings: Settings, lab: Lab, environment: Mapping[str, str], console: Path) -> Configuration:
@@ -34,4 +35,5 @@ def configuration(settings: Settings, lab: Lab, environment: Mapping[str, str], 
         redis_url=settings.redis_url,
         console=console,
         udp_key=settings.udp_key,
+        state=settings.state,
     )
