@@ -30,6 +30,9 @@ _HOLDS_SIGMAS = 3.0
 """A calibration in force that puts the floor tags this near to where the camera itself would is kept: one of several cameras
 knows better."""
 _SHAKE_PX = 1.0
+_LEAST_FLICKER_PX = 0.01
+"""Measured on sharp rendered tags (0.009 px); what the detector has wrong besides is nearly the same for a tag's four corners
+and cancels in its pose."""
 _LEAST_NOISE_PX = 0.03
 """The detector's own limit on sharp tags; nothing is surer than that."""
 _PATIENCE = 5
@@ -100,7 +103,9 @@ class SelfCalibration:
         default = PoseNoise()
         flicker_px = default.corner_px if self._sighting is None else self._sighting.corner_noise_px
         off_px = default.calibration_px if self._calibration_px is None else self._calibration_px
-        return replace(default, corner_px=max(_LEAST_NOISE_PX, flicker_px), calibration_px=max(_LEAST_NOISE_PX, off_px))
+        return replace(
+            default, corner_px=max(_LEAST_FLICKER_PX, flicker_px), calibration_px=max(_LEAST_NOISE_PX, off_px)
+        )
 
     @property
     def eager(self) -> bool:
