@@ -114,8 +114,40 @@ def test_a_proposal_can_be_discarded_by_keyboard(system: RunningSystem, operator
     expect(operator.part("calibration-stage")).to_have_attribute("data-stage", "compare", timeout=60_000)
     proposal = state(system)["proposal"]
     assert [camera for camera, compared in proposal["cameras"].items() if compared["is_new"]] == ["cam2", "cam3"]
+    operator.page.set_viewport_size({"width": 390, "height": 844})
+    expect(operator.part("calibration-accept")).to_be_in_viewport()
+    assert operator.page.evaluate("document.documentElement.scrollWidth <= window.innerWidth"), "a phone suffices"
+    operator.screenshot("calibration-phone")
     operator.part("calibration-discard").focus()
     operator.page.keyboard.press("Enter")
     expect(operator.part("calibration-stage")).to_have_attribute("data-stage", "look")
     assert state(system)["current"] == before
     assert state(system)["run"]["state"] == "discarded"
+
+
+def test_a_camera_that_is_bumped_is_refined_with_the_others_by_itself(system: RunningSystem) -> None:
+    before = wait_for("a calibration", lambda: state(system)["current"], 60)
+    system.api.put("/sim/cameras/cam2/fault", json={"kind": "bump", "shift_x_m": 0.02}).raise_for_status()
+    after = wait_for("another calibration", lambda: newer(system, before), 40)
+    assert after["by"] == "calibrator"
+    assert state(system)["previous"] == before
+    assert moved_m(before, after, "cam2") == pytest.approx(0.02, abs=0.008)
+    assert all(moved_m(before, after, camera) < 0.008 for camera in CAMERAS if camera != "cam2")
+    events = system.get("/events?count=1000")
+    assert any(e["kind"] == "camera_not_calibrated" and "cam2: the camera moved" in e["text"] for e in events)
+    wait_for("all cameras use it", lambda: extrinsics_ns(system) == {after["stamp_ns"]}, 10)
+
+    system.api.delete("/sim/cameras/cam2/fault").raise_for_status()
+    back = wait_for("it is found back", lambda: newer(system, after), 40)
+    assert moved_m(before, back, "cam2") < 0.008
+    wait_for("all is well", lambda: system.get("/health")["state"] == "ok", 20)
+
+
+def newer(system: RunningSystem, than: dict[str, Any]) -> dict[str, Any] | None:
+    """What is in force, once it is another."""
+    current = cast("dict[str, Any]", state(system)["current"])
+    return current if current["id"] != than["id"] else None
+
+
+def moved_m(before: dict[str, Any], after: dict[str, Any], camera: str) -> float:
+    return math.dist(before["cameras"][camera]["translation"], after["cameras"][camera]["translation"])
