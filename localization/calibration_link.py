@@ -65,12 +65,15 @@ class CalibrationLink:
             reads = self._bus.redis.pipeline(transaction=False)
             reads.hget(keys.CALIBRATIONS, CURRENT)
             reads.hget(keys.live(CALIBRATION_RUNS.name), LAB_INSTANCE)
-            current, run = cast("tuple[bytes | None, bytes | None]", tuple(reads.execute()))
+            reads.hexists(keys.live(SIGHTINGS.name), self._id)
+            current, run, is_known = cast("tuple[bytes | None, bytes | None, bool]", tuple(reads.execute()))
         except UNAVAILABLE:
             return
         if current is not None and current != self._seen:
             self._seen = current
             self._adopt(current)
+        if not is_known and not self._request:
+            self._told = None  # Redis lost it
         if run is not None:
             self._heed(run)
         self._tell_sighting()

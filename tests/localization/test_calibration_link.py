@@ -241,3 +241,11 @@ def test_without_redis_nothing_is_lost_but_time(
     camera.link.exchange()
     assert camera.events() == [("info", "camera_calibrated")]
     assert "left" in camera.bus.latest_all(SIGHTINGS)
+
+
+def test_what_redis_lost_is_told_again(camera: Camera, still: NDArray[np.uint8]) -> None:
+    camera.calibrated(still)
+    sent = camera.bus.latest_all(SIGHTINGS)
+    camera.bus.redis.flushall()
+    camera.link.exchange()
+    assert camera.bus.latest_all(SIGHTINGS) == sent

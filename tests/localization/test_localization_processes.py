@@ -227,7 +227,9 @@ def test_an_unknown_camera_is_refused_with_the_known_ones(house: House) -> None:
     assert b"has no camera 'middle', it has left, right" in process.stderr.read()
 
 
-@pytest.mark.parametrize("arguments", [("localization.camera", "left"), ("localization.tracker",)])
+@pytest.mark.parametrize(
+    "arguments", [("localization.camera", "left"), ("localization.tracker",), ("localization.calibrator",)]
+)
 def test_a_lab_file_of_no_use_is_named_in_a_line_per_problem(house: House, arguments: tuple[str, ...]) -> None:
     file = Path(house.environment["LILLIPUT_LAB"])
     file.write_text(SMALL_LAB + "bogus: 1\nodd: 2\n")
