@@ -20,7 +20,7 @@ from protocol.lab import Lab
 from tests.bench.follow import Run, figures, follow
 from tests.bench.methods import PUBLISHED_K, methods
 from tests.bench.scene import JPEG_QUALITY, LOOP_FRAMES, RATE_HZ, VEHICLE_COUNTS, bench_lab, read_recording, record
-from tests.bench.sustained import SustainedError, sustained_fps
+from tests.bench.sustained import SustainedError, sustained
 
 PUBLISHED = {
     "fullhd_4_follow_median_ms": 14.0,
@@ -73,19 +73,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> Result:
     plan = QUICK if arguments.quick else FULL
-    _, lab = read_lab(Path(DEFAULT_LAB))
-    found: dict[str, float] = {}
-    with tempfile.TemporaryDirectory(prefix="lilliput-bench-") as folder:
-        for resolution in RESOLUTIONS:
-            labs = {count: bench_lab(lab, resolution, count) for count in plan.counts}
-            with _timed(f"{resolution}: rendering"):
-                files = _rendered(labs, Path(folder), int(arguments.seed))
-            for count, room in labs.items():
-                with _timed(f"{resolution}: following {count}"):
-                    found |= _followed(room, files[count], resolution, count, plan)
-            with _timed(f"{resolution}: sustained"):
-                found |= _sustained(labs[_MAIN_COUNT], files[_MAIN_COUNT], resolution, plan)
-    found |= ratios(found)
+    _, lab = read_lab(DEFAULT_LAB)
+    found = measure(lab, plan, tuple(RESOLUTIONS), int(arguments.seed))
     settings = {
         "lab": lab.name,
         "cameras": len(lab.cameras),
@@ -100,6 +89,22 @@ def run(arguments: argparse.Namespace) -> Result:
         "cores": os.cpu_count(),
     }
     return Result("localization", found, {key: PUBLISHED[key] for key in found if key in PUBLISHED}, settings)
+
+
+def measure(lab: Lab, plan: Plan, resolutions: Sequence[str], seed: int) -> dict[str, float]:
+    """All figures of these resolutions. LauncherError when a process ends early."""
+    found: dict[str, float] = {}
+    with tempfile.TemporaryDirectory(prefix="lilliput-bench-") as folder:
+        for resolution in resolutions:
+            labs = {count: bench_lab(lab, resolution, count) for count in plan.counts}
+            with _timed(f"{resolution}: rendering"):
+                files = _rendered(labs, Path(folder), seed)
+            for count, room in labs.items():
+                with _timed(f"{resolution}: following {count}"):
+                    found |= _followed(room, files[count], resolution, count, plan)
+            with _timed(f"{resolution}: sustained"):
+                found |= _sustained(labs[_MAIN_COUNT], files[_MAIN_COUNT], resolution, plan)
+    return found | ratios(found)
 
 
 def ratios(found: dict[str, float]) -> dict[str, float]:
@@ -152,9 +157,12 @@ def _sustained(lab: Lab, files: Sequence[Path], resolution: str, plan: Plan) -> 
             prefix = f"{resolution}_cameras" if name == "ours" else f"{resolution}_{_MAIN_COUNT}_{name}"
             key = f"{prefix}_sustained_{'jpeg_' if with_decode else ''}fps"
             try:
-                result[key] = sustained_fps(lab, files, resolution, name, with_decode=with_decode, seconds=plan.seconds)
+                rate = sustained(lab, files, resolution, name, with_decode=with_decode, seconds=plan.seconds)
             except SustainedError as error:
                 raise LauncherError(f"{error}; is there enough memory for the frames?") from error
+            result[key] = rate.fps
+            if rate.pose_share is not None:
+                result[key.replace("_fps", "_pose_share")] = rate.pose_share
     return result
 
 

@@ -105,7 +105,7 @@ def record(labs: list[Lab], camera_id: str, frames: int | None, seed: int, files
                 if visibility.sees(each.id, SE2(each.x, each.y, each.yaw))
             }
             recorded.append(RecordedFrame(jpeg, round((index + late) / RATE_HZ * 1e9), truth))
-        period_ns = round(length / RATE_HZ * 1e9)
+        period_ns = round(len(recorded) / RATE_HZ * 1e9)
         file.write_bytes(msgspec.msgpack.encode(Recording(camera_id, period_ns, tuple(recorded))))
 
 

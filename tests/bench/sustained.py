@@ -7,6 +7,7 @@ another: nobody may be more than LEAD frames ahead of the slowest, which the fus
 import multiprocessing
 import time
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
 
@@ -25,14 +26,23 @@ _STARTUP_S = 300.0
 _END_S = 10.0
 
 
+@dataclass(frozen=True, slots=True)
+class Sustained:
+    """Frames per second of all cameras together; and, where there is a tracker, how many poses it gave relative to the tags that
+    were wholly visible in those frames."""
+
+    fps: float
+    pose_share: float | None
+
+
 class SustainedError(Exception):
     """A camera's process ended before it was told to."""
 
 
-def sustained_fps(
+def sustained(
     lab: Lab, files: Sequence[Path], resolution: str, name: str, *, with_decode: bool, seconds: float
-) -> float:
-    """Frames per second of all cameras together, from the warm-up's end on, for about `seconds`. SustainedError."""
+) -> Sustained:
+    """Measures from the warm-up's end on, for about `seconds`. SustainedError."""
     context = multiprocessing.get_context("spawn")
     pipes = [context.Pipe() for _ in files]
     workers = [
@@ -45,7 +55,9 @@ def sustained_fps(
         theirs.close()
     ours = [mine for mine, _ in pipes]
     try:
-        return _conduct(lab, ours, seconds, fuses=methods(resolution)[name].fuses)
+        fuses = methods(resolution)[name].fuses
+        visible = [_visible_per_frame(file) for file in files] if fuses else None
+        return _conduct(lab, ours, visible, seconds)
     except (EOFError, OSError) as error:
         raise SustainedError(f"a camera process of {name} ended early ({type(error).__name__})") from error
     finally:
@@ -57,16 +69,17 @@ def sustained_fps(
                 worker.terminate()
 
 
-def _conduct(lab: Lab, cameras: Sequence[Connection], seconds: float, *, fuses: bool) -> float:
-    """Takes the messages in, fuses them, and lets the cameras go on."""
+def _conduct(lab: Lab, cameras: Sequence[Connection], visible: list[float] | None, seconds: float) -> Sustained:
+    """Takes the messages in, fuses them where somebody does, and lets the cameras go on. `visible`: tags per frame, by camera."""
     for camera in cameras:
         if not camera.poll(_STARTUP_S):
             raise EOFError
         camera.recv_bytes()  # it has its frames in memory
-    fusion = Fusion(lab)
+    fusion = None if visible is None else Fusion(lab)
     done = dict.fromkeys(cameras, 0)
-    warm_up = WARM_UP_FRAMES if fuses else BASELINE_WARM_UP_FRAMES
-    told, counted = 0, 0
+    before = dict(done)
+    warm_up = BASELINE_WARM_UP_FRAMES if fusion is None else WARM_UP_FRAMES
+    told = poses = 0
     begun_s: float | None = None
     for camera in cameras:
         camera.send((LEAD, []))
@@ -74,19 +87,27 @@ def _conduct(lab: Lab, cameras: Sequence[Connection], seconds: float, *, fuses: 
         for camera in wait(cameras, timeout=_STARTUP_S):
             assert isinstance(camera, Connection)
             message = camera.recv_bytes()
-            if fuses:
-                fusion.fuse(message)
+            poses += 0 if fusion is None else len(fusion.fuse(message))
             done[camera] += 1
-            counted += begun_s is not None
         slowest = min(done.values())
         if slowest > told:
             told = slowest
-            poses = [encode(pose) for pose in fusion.poses.values()] if told % POSES_EVERY == 0 else []
+            news = [encode(pose) for pose in fusion.poses.values()] if fusion and told % POSES_EVERY == 0 else []
             for camera in cameras:
-                camera.send((told + LEAD, poses))
+                camera.send((told + LEAD, news))
         if begun_s is None and slowest >= warm_up:
-            begun_s = time.perf_counter()
-    return counted / (time.perf_counter() - begun_s)
+            begun_s, before, poses = time.perf_counter(), dict(done), 0
+    counted = [done[camera] - before[camera] for camera in cameras]
+    fps = sum(counted) / (time.perf_counter() - begun_s)
+    if visible is None:
+        return Sustained(fps, None)
+    expected = sum(frames * tags for frames, tags in zip(counted, visible, strict=True))
+    return Sustained(fps, poses / expected)
+
+
+def _visible_per_frame(file: Path) -> float:
+    frames = read_recording(file).frames
+    return sum(len(frame.truth) for frame in frames) / len(frames)
 
 
 def _camera(
