@@ -13,6 +13,7 @@ const CamerasPage = lazy(() => import("../cameras/CamerasPage"));
 const CalibrationPage = lazy(() => import("../calibration/CalibrationPage"));
 const ScenePage = lazy(() => import("../scene/ScenePage"));
 const EventsPage = lazy(() => import("../events/EventsPage"));
+const LogsPage = lazy(() => import("../logs/LogsPage"));
 const SystemPage = lazy(() => import("../system/SystemPage"));
 const AdminPage = lazy(() => import("../admin/AdminPage"));
 
@@ -26,6 +27,7 @@ const router = createBrowserRouter([
       { path: "/calibration", element: <CalibrationPage /> },
       { path: "/3d", element: <ScenePage /> },
       { path: "/events", element: <EventsPage /> },
+      { path: "/logs", element: <LogsPage /> },
       { path: "/system", element: <SystemPage /> },
       { path: "/admin", element: <AdminPage /> },
       { path: "*", element: <Navigate to="/floor" replace /> },

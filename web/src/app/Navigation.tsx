@@ -2,6 +2,7 @@
 import {
   IconActivityHeartbeat,
   IconCamera,
+  IconChartCandle,
   IconCube,
   IconHistory,
   IconMap2,
@@ -29,6 +30,7 @@ const ENTRIES: readonly Entry[] = [
   { to: "/calibration", label: "Calibrate", icon: IconTargetArrow },
   { to: "/3d", label: "3D", icon: IconCube },
   { to: "/events", label: "Events", icon: IconHistory },
+  { to: "/logs", label: "Logs", icon: IconChartCandle },
   { to: "/system", label: "System", icon: IconActivityHeartbeat },
   { to: "/admin", label: "Users", icon: IconUsers, needs: "admin" },
 ];
