@@ -9,6 +9,9 @@ from localization.sources import SourceState
 from protocol.messages import CameraState, FrameDetections
 
 _WINDOW_S = 3.0
+_BLIND_S = 2.0
+"""No floor tag for so long, where there were some: longer than full searches are apart."""
+_BLIND = "none of its floor tags is seen any more: is it covered, dark, or disturbed?"
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,6 +28,7 @@ class CameraStatistics:
         self._done: deque[_Done] = deque()
         self._start_s = start_s
         self._problem_since_ns: int | None = None
+        self._saw_floor_ns: int | None = None
         self.frames = 0
 
     def add(self, detections: FrameDetections, now_s: float) -> None:
@@ -41,6 +45,10 @@ class CameraStatistics:
         span_s = min(_WINDOW_S, max(0.1, now_s - self._start_s))
         stages = {stage for done in self._done for stage in done.timings_ms}
         extrinsics, problem = pipeline.extrinsics, pipeline.problem
+        if pipeline.floor_tags_seen:
+            self._saw_floor_ns = now_ns
+        if problem is None and self._saw_floor_ns is not None and now_ns - self._saw_floor_ns > _BLIND_S * 1e9:
+            problem, self._problem_since_ns = _BLIND, self._saw_floor_ns
         # A problem's words change with its numbers, not its beginning.
         self._problem_since_ns = None if problem is None else self._problem_since_ns or now_ns
         return CameraState(

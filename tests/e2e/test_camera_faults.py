@@ -145,12 +145,20 @@ def test_each_camera_fails_in_its_own_way_and_the_rest_never_notices(
                 says(system, "cam0", rf"{re.escape(network_camera.url)} has sent nothing for 3 s", 15)
                 network_camera.mood = "well"
                 wait_for("cam0 is well again", lambda: is_well(system, "cam0"), 20)
+                wait_for("cam0 has found its vehicles", lambda: expected["cam0"] <= ear.tags("cam0", 0.0)[-1], 20)
 
             with unnoticed(ear, ["cam0", "cam2", "cam3"], expected):
                 suffer(system, "cam1", kind="resize")
                 error = "a frame is 480 x 270, the lab description says 960 x 540; it is not used"
                 says(system, "cam1", re.escape(error), 10)
                 assert camera(system, "cam1")["state"]["broken"] > 0
+                suffer(system, "cam1", kind="noise")
+                says(
+                    system,
+                    "cam1",
+                    re.escape("none of its floor tags is seen any more: is it covered, dark, or disturbed?"),
+                    15,
+                )
                 recover(system, "cam1")
 
             with unnoticed(ear, ["cam0", "cam1", "cam3"], expected):
@@ -166,7 +174,7 @@ def test_each_camera_fails_in_its_own_way_and_the_rest_never_notices(
                 wait_for("cam3 has found its new place", lambda: is_well(system, "cam3"), 30)
                 wait_for("where it hangs", lambda: moved_m(system) == pytest.approx(0.02, abs=0.004), 20)
             kinds = [event["kind"] for event in system.get("/events?count=50")]
-            assert kinds.count("fault_begun") == 3
+            assert kinds.count("fault_begun") == 4
         finally:
             ear.close()
 
