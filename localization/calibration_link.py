@@ -59,8 +59,9 @@ class CalibrationLink:
         self._extrinsics, self._problem = extrinsics, problem
         return changed
 
-    def exchange(self) -> None:
-        """Reads what is in force and what is asked for, sends what is new. Nothing happens while Redis is out of reach."""
+    def exchange(self) -> bool:
+        """Reads what is in force and what is asked for, sends what is new; whether Redis has lost what it was told. Nothing
+        happens while it is out of reach."""
         try:
             reads = self._bus.redis.pipeline(transaction=False)
             reads.hget(keys.CALIBRATIONS, CURRENT)
@@ -68,16 +69,18 @@ class CalibrationLink:
             reads.hexists(keys.live(SIGHTINGS.name), self._id)
             current, run, is_known = cast("tuple[bytes | None, bytes | None, bool]", tuple(reads.execute()))
         except UNAVAILABLE:
-            return
+            return False
         if current is not None and current != self._seen:
             self._seen = current
             self._adopt(current)
-        if not is_known and not self._request:
-            self._told = None  # Redis lost it
+        is_lost = not is_known and self._told is not None and not self._request
+        if is_lost:
+            self._told = None
         if run is not None:
             self._heed(run)
         self._tell_sighting()
         self._tell_events()
+        return is_lost
 
     def _adopt(self, data: bytes) -> None:
         """Takes a joint result: its floor tags always, its extrinsics unless this camera found newer ones by itself."""

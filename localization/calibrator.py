@@ -80,11 +80,15 @@ class Calibrator:
                     pass
 
     async def _work(self) -> None:
+        is_down = False
         while True:
             try:
                 await self.turn()
+                is_down = False
             except (RedisError, OSError, BusUnavailableError) as error:
-                _logger.warning("waits for Redis: %s", error)
+                if not is_down:
+                    _logger.warning("waits for Redis: %s", error)
+                is_down = True
             await self._clock.sleep(_PERIOD_S)
 
     async def turn(self) -> None:

@@ -84,7 +84,8 @@ class CameraService:
             if frame is not None and self._is_due("preview", now_s, _PREVIEW_EVERY_S):
                 self._keep(keys.PREVIEWS, preview_jpeg(frame.pixels, self._pipeline.tags, self._names))
             if self._is_due("state", now_s, _STATE_EVERY_S):
-                self._calibration.exchange()
+                if self._calibration.exchange():
+                    self._stored = None  # Redis has lost it with the rest
                 self._keep_extrinsics()
                 state = statistics.state(self._source.state, self._pipeline, now_s, clock.now_ns())
                 self._bus.publish(CAMERA_STATES, self._id, state)
