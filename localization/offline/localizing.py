@@ -11,16 +11,18 @@ from concurrent.futures import Executor
 from dataclasses import dataclass, field
 
 from geometry import SE2
+from localization.offline.following import Following
 from localization.offline.instants import RecordedFrame, instants
 from localization.offline.recording import Recording
 from localization.pipeline import CameraPipeline, PipelineOptions
-from localization.tracking import Tracker
 from protocol.clock import SystemClock
 from protocol.lab import Lab
 from protocol.messages import Calibration, FrameDetections, TrackedPose
 
 _FULL_SEARCHES_HZ = 15.0
 """A newcomer costs at most this share of a second of its poses; quality goes before speed here."""
+_TURN = 1.5
+"""Within so many periods of the slowest camera every camera has taken a frame."""
 _ODD_SHARE = 0.05
 """So many of a vehicle's sights without a pose are worth a word."""
 
@@ -58,9 +60,7 @@ class Localization:
         self._lines = {
             camera.spec.id: _Line(lab, camera.spec.id, calibration, self.full_search_every) for camera in self._cameras
         }
-        self._tracker = Tracker(lab)
-        self._wearers = {(vehicle.tag.family, vehicle.tag.id): vehicle.id for vehicle in lab.vehicles}
-        self._newest: dict[str, TrackedPose] = {}
+        self._following = Following(lab, round(_TURN / recording.slowest_hz * 1e9))
         self.statistics = Statistics()
 
     @property
@@ -76,15 +76,22 @@ class Localization:
         for vehicle, seen in self.statistics.sights.items():
             without = seen - self.statistics.poses[vehicle]
             if without > _ODD_SHARE * seen:
-                text = (
-                    f"{vehicle}: {without} of {seen} times it was seen where its track had no place for it; does it move"
-                    " faster than its limits in the lab file say, or is its tag's id there twice?"
+                self.statistics.warn_once(
+                    f"sights {vehicle}",
+                    f"{vehicle}: {without} of {seen} times it was seen where its track had no place for it; is its tag's"
+                    " id there twice?",
                 )
-                self.statistics.warn_once(f"sights {vehicle}", text)
+        for vehicle, times in self._following.begun_anew.items():
+            self.statistics.warn_once(
+                f"jumps {vehicle}",
+                f"{vehicle}: {times} times it was where it could not have driven within its limits in the lab file; its"
+                " track begins anew there",
+            )
 
     def _localized(self, instant: list[RecordedFrame]) -> list[TrackedPose]:
+        newest = self._following.newest
         pending = [
-            self._executor.submit(self._lines[item.camera].process, item, self._newest)
+            self._executor.submit(self._lines[item.camera].process, item, newest)
             for item in instant
             if item.frame is not None
         ]
@@ -98,11 +105,10 @@ class Localization:
         seen: set[tuple[int, str]] = set()
         for detections in found:  # in the order of capture time
             self._note(detections)
-            seen |= {(detections.stamp_ns, self._wearers[d.family, d.tag_id]) for d in detections.detections}
-            for pose in self._tracker.update(detections):
+            seen |= {(detections.stamp_ns, vehicle) for vehicle in self._following.seen(detections)}
+            for pose in self._following.update(detections):
                 updated[pose.stamp_ns, pose.vehicle] = pose
-        self._newest = {**self._newest, **{pose.vehicle: pose for pose in updated.values()}}
-        for duplicate in self._tracker.take_duplicates():
+        for duplicate in self._following.take_duplicates():
             self.statistics.warn_once(f"duplicate {duplicate.vehicle}", f"at {duplicate.stamp_ns} ns: {duplicate}")
         ordered = [updated[key] for key in sorted(updated)]
         self.statistics.poses.update(pose.vehicle for pose in ordered)

@@ -42,6 +42,11 @@ class Recording:
         return max((_rate_hz(camera.stamps_ns) for camera in self.cameras), default=0.0)
 
     @property
+    def slowest_hz(self) -> float:
+        """Frames per second of the slowest camera; 1 when no camera has two frames."""
+        return min((rate for camera in self.cameras if (rate := _rate_hz(camera.stamps_ns)) > 0), default=1.0)
+
+    @property
     def seconds(self) -> float:
         """From the first capture time to the last, over all cameras."""
         first = min(camera.stamps_ns[0] for camera in self.cameras)
