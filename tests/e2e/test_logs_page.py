@@ -6,7 +6,7 @@ from pathlib import Path
 import msgspec
 from playwright.sync_api import expect
 
-from protocol.timings import encode_header, list_runs, read_segment, record_struct, timings_folder
+from protocol.timings import encode_header, list_runs, read_run, read_segment, record_struct, timings_folder
 from tests.e2e.browser import SLOW_MS, console
 from tests.e2e.system import RunningSystem, wait_for
 
@@ -31,9 +31,17 @@ def copy_as_earlier_run(folder: Path, run: str) -> None:
         (folder / EARLIER / path.name).write_bytes(encode_header(header) + b"".join(records))
 
 
+def all_have_written(folder: Path) -> bool:
+    """Four cameras and the tracker, for some seconds."""
+    runs = list_runs(folder)
+    if not runs or len(runs[0].processes) < 5:
+        return False
+    return read_run(folder / runs[0].name).values("tracker", "total")[1].size >= 400
+
+
 def test_runs_are_compared_in_the_browser(system: RunningSystem) -> None:
     folder = timings_folder(system.state)
-    wait_for("cameras and tracker have written", lambda: len(list_runs(folder)[-1].processes) == 5)
+    wait_for("cameras and tracker have written", lambda: all_have_written(folder))
     (run,) = list_runs(folder)
     copy_as_earlier_run(folder, run.name)
     try:
@@ -49,6 +57,7 @@ def test_runs_are_compared_in_the_browser(system: RunningSystem) -> None:
             first = frames.inner_text()
             assert int(first.replace(",", "")) > 0
             expect(table).to_contain_text(re.compile(r"[+-]?\d+\.\d %"))
+            operator.page.get_by_label("Outliers").click()
             operator.screenshot("logs")
 
             # The present run grows while one looks at it; the earlier one has ended.

@@ -86,6 +86,11 @@ describe("the pictures", () => {
     ]);
   });
 
+  it("leave outliers out when asked", () => {
+    const [, points] = boxOption(total, ["a", "b"], false)["series"] as { data: unknown[] }[];
+    expect(points?.data).toEqual([]);
+  });
+
   it("leave the place of a run without the stage empty", () => {
     const [boxes] = boxOption(window, ["a", "b"])["series"] as { data: { value: number[] }[] }[];
     expect(boxes?.data.map(({ value }) => value.length)).toEqual([0, 5]);

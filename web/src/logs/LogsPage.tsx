@@ -1,5 +1,16 @@
 /** Where the time of the frames goes: runs side by side as box plots, table and time graph. */
-import { Alert, Card, Group, Loader, MultiSelect, SegmentedControl, SimpleGrid, Text, Title } from "@mantine/core";
+import {
+  Alert,
+  Card,
+  Group,
+  Loader,
+  MultiSelect,
+  SegmentedControl,
+  SimpleGrid,
+  Switch,
+  Text,
+  Title,
+} from "@mantine/core";
 import { useMemo, useState } from "react";
 import type { TimingRunView } from "../api/types";
 import { formatDuration, formatStamp } from "../ui/format";
@@ -31,6 +42,7 @@ export default function LogsPage() {
   const [asked, setAsked] = useState<readonly string[] | null>(null);
   const [span, setSpan] = useState("all");
   const [view, setView] = useState("boxes");
+  const [outliers, setOutliers] = useState(true);
 
   const known = runs.value ?? [];
   // Unless somebody chose: the newest run, and the one before it to compare with, the older one first.
@@ -51,6 +63,14 @@ export default function LogsPage() {
       note="How long each stage of each frame took. The first run is what the others are compared with."
       actions={
         <Group gap="sm">
+          {view === "boxes" && (
+            <Switch
+              size="xs"
+              label="Outliers"
+              checked={outliers}
+              onChange={(event) => setOutliers(event.currentTarget.checked)}
+            />
+          )}
           <SegmentedControl size="xs" data={VIEWS} value={view} onChange={setView} aria-label="Picture" />
           <SegmentedControl size="xs" data={SPANS} value={span} onChange={setSpan} aria-label="How much of the runs" />
         </Group>
@@ -97,7 +117,7 @@ export default function LogsPage() {
                 {name}
               </Title>
               <Chart
-                option={(view === "boxes" ? boxOption : graphOption)(comparison, labels)}
+                option={view === "boxes" ? boxOption(comparison, labels, outliers) : graphOption(comparison, labels)}
                 height={200}
                 label={`${name}, ${view === "boxes" ? "box plots of" : "over the time of"} ${labels.join(", ")}`}
               />

@@ -15,8 +15,8 @@ const axis = {
   nameTextStyle: { color: TEXT },
 };
 
-/** One panel: a box per run; `runs` are the names under the boxes. */
-export function boxOption({ runs }: Comparison, labels: readonly string[]): EChartsCoreOption {
+/** One panel: a box per run, with `labels` under them. Without outliers the axis fits the whiskers. */
+export function boxOption({ runs }: Comparison, labels: readonly string[], outliers = true): EChartsCoreOption {
   return {
     animation: false,
     grid: { left: 8, right: 12, top: 22, bottom: 6, containLabel: true },
@@ -37,7 +37,7 @@ export function boxOption({ runs }: Comparison, labels: readonly string[]): ECha
         type: "scatter",
         symbolSize: 3,
         data: runs.flatMap(({ box }, index) =>
-          (box?.outlier_values ?? []).map((value) => ({
+          (outliers ? (box?.outlier_values ?? []) : []).map((value) => ({
             value: [index, value],
             itemStyle: { color: colorOf(index), opacity: 0.5 },
           })),
