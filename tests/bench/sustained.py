@@ -56,7 +56,7 @@ def sustained(
     ours = [mine for mine, _ in pipes]
     try:
         fuses = methods(resolution)[name].fuses
-        visible = [_visible_per_frame(file) for file in files] if fuses else None
+        visible = [[len(frame.truth) for frame in read_recording(file).frames] for file in files] if fuses else None
         return _conduct(lab, ours, visible, seconds)
     except (EOFError, OSError) as error:
         raise SustainedError(f"a camera process of {name} ended early ({type(error).__name__})") from error
@@ -69,8 +69,9 @@ def sustained(
                 worker.terminate()
 
 
-def _conduct(lab: Lab, cameras: Sequence[Connection], visible: list[float] | None, seconds: float) -> Sustained:
-    """Takes the messages in, fuses them where somebody does, and lets the cameras go on. `visible`: tags per frame, by camera."""
+def _conduct(lab: Lab, cameras: Sequence[Connection], visible: list[list[int]] | None, seconds: float) -> Sustained:
+    """Takes the messages in, fuses them where somebody does, and lets the cameras go on. `visible`: tags in
+    each frame of the film, by camera."""
     for camera in cameras:
         if not camera.poll(_STARTUP_S):
             raise EOFError
@@ -97,17 +98,15 @@ def _conduct(lab: Lab, cameras: Sequence[Connection], visible: list[float] | Non
                 camera.send((told + LEAD, news))
         if begun_s is None and slowest >= warm_up:
             begun_s, before, poses = time.perf_counter(), dict(done), 0
-    counted = [done[camera] - before[camera] for camera in cameras]
-    fps = sum(counted) / (time.perf_counter() - begun_s)
+    fps = (sum(done.values()) - sum(before.values())) / (time.perf_counter() - begun_s)
     if visible is None:
         return Sustained(fps, None)
-    expected = sum(frames * tags for frames, tags in zip(counted, visible, strict=True))
+    expected = sum(
+        film[number % len(film)]
+        for camera, film in zip(cameras, visible, strict=True)
+        for number in range(before[camera], done[camera])
+    )
     return Sustained(fps, poses / expected)
-
-
-def _visible_per_frame(file: Path) -> float:
-    frames = read_recording(file).frames
-    return sum(len(frame.truth) for frame in frames) / len(frames)
 
 
 def _camera(
