@@ -15,13 +15,16 @@ _COLUMNS = 4
 _MOST_OUTLIERS, _MOST_POINTS = 300, 400
 _COLORS = ("#1164b1", "#d9730d", "#2a9d5c", "#9c36b5", "#c92a2a", "#6a7280")
 _PUBLISHED_COLOR = "#4a515e"
+_HEADROOM = 2.5
+"""The axis ends at this many times the highest whisker: a single frame of seconds must not flatten the boxes."""
 
 
 def draw_boxes(
     path: Path, comparisons: Sequence[Comparison], runs: Sequence[LabelledRun], published: Sequence[PublishedBox] = ()
 ) -> None:
     """Boxes from Q1 to Q3 with the median, whiskers to the last value within 1.5 IQR, outliers as points (thinned out when
-    there are very many), the reports' printed boxes in grey beside them."""
+    there are very many), the reports' printed boxes in grey beside them. An arrow says how high outliers go that are above
+    the axis."""
     figure, panels = _panels(len(comparisons), f"Stage timings, {_names(runs)}")
     for axes, comparison in zip(panels, comparisons, strict=True):
         stats: list[dict[str, Any]] = []
@@ -45,7 +48,7 @@ def draw_boxes(
             line.set(color="black", linewidth=1.4)
         axes.set_title(f"{comparison.kind}: {comparison.stage}", fontsize=10)
         axes.set_ylabel("ms")
-        axes.set_ylim(bottom=0)
+        _scale(axes, stats)
         axes.tick_params(axis="x", labelrotation=20, labelsize=7)
         axes.grid(axis="y", alpha=0.3)
     figure.savefig(path, dpi=110)
@@ -71,6 +74,18 @@ def draw_graph(path: Path, comparisons: Sequence[Comparison], runs: Sequence[Lab
         axes.grid(alpha=0.3)
         axes.legend(fontsize=7)
     figure.savefig(path, dpi=110)
+
+
+def _scale(axes: Axes, stats: Sequence[dict[str, Any]]) -> None:
+    top = _HEADROOM * max(stat["whishi"] for stat in stats)
+    axes.set_ylim(bottom=0)
+    if top <= 0.0 or top >= axes.get_ylim()[1]:
+        return
+    axes.set_ylim(top=top)
+    for place, stat in enumerate(stats, 1):
+        highest = max(stat["fliers"], default=0.0)
+        if highest > top:
+            axes.annotate(f"↑ {highest:.3g}", (place, top), ha="center", va="top", fontsize=7)
 
 
 def _panels(count: int, title: str) -> tuple[Figure, list[Axes]]:
