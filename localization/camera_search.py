@@ -7,11 +7,13 @@ from dataclasses import dataclass
 from localization.calibration import SelfCalibration
 from localization.detection import (
     FullSearch,
+    MotionSearch,
     SpreadSearch,
     TagDetector,
     TagGuess,
     TagObservation,
     TagSearch,
+    Tiling,
     WindowedSearch,
     is_whole,
     tiling,
@@ -21,16 +23,18 @@ from localization.floor_watch import FloorWatch
 from localization.prediction import is_fresh
 from localization.projection import CameraView
 from localization.search_plan import SearchPlan
-from localization.tag_sizes import tag_sizes
+from localization.tag_sizes import floor_tag_sizes, vehicle_tag_sizes
 from localization.tags import KnownTags, TagKey
 from localization.windows import LastSeen, guesses_from_tracks
 from protocol.clock import Clock
 from protocol.frames import Frame
 from protocol.messages import TrackedPose
 
-_UNCALIBRATED_SIDE_PX = (27.0, 14.0)
-"""Before a camera knows its height it is asked for tags from the first of these side lengths on (decimation 1.5), and when that
-shows none, for smaller ones too (no decimation)."""
+_UNCALIBRATED_SIDE = 0.014
+_LEAST_SIDE_PX = 14.0
+"""Before a camera knows its height it is asked for tags from this share of the picture's width on (27 px in Full HD), and while
+that does not show enough floor tags, for ever smaller ones."""
+_ENOUGH_FLOOR_TAGS = 2
 _LONGEST_PAUSE_S = 0.2
 """What a longer gap between frames would allow to be searched is not made up for in one frame."""
 
@@ -49,8 +53,8 @@ class Sightings:
 class CameraSearch:
     """Finds the tags in one camera's frames and shows the floor tags to its calibration. Belongs to one thread.
 
-    `every` is a fixed K, None the adaptive search with `budget_ms` per frame; `rate_hz` is the camera's; `turn`, from 0 to 1,
-    shifts searches of whole frames against other cameras'.
+    `width` is the picture's; `every` a fixed K, None the adaptive search with `budget_ms` per frame; `rate_hz` the camera's;
+    `turn`, from 0 to 1, shifts searches of whole frames against other cameras'.
     """
 
     def __init__(
@@ -59,6 +63,7 @@ class CameraSearch:
         calibration: SelfCalibration,
         clock: Clock,
         *,
+        width: int,
         every: int | None,
         budget_ms: float,
         rate_hz: float,
@@ -66,7 +71,9 @@ class CameraSearch:
     ) -> None:
         self._known, self._calibration, self._clock = known, calibration, clock
         detector = TagDetector(known.families(), known.keys())
-        self._full = FullSearch(detector, _UNCALIBRATED_SIDE_PX[0])
+        self._first_side_px = max(_LEAST_SIDE_PX, _UNCALIBRATED_SIDE * width)
+        self._full = FullSearch(detector, self._first_side_px)
+        self._motion = MotionSearch(detector)
         self._spread = SpreadSearch(detector, clock, budget_ms)
         self._windowed = WindowedSearch(detector)
         self._watch = FloorWatch(WindowedSearch(detector, last_resorts=False), known)
@@ -75,6 +82,7 @@ class CameraSearch:
         self._plan = SearchPlan([vehicle.id for vehicle in known.vehicles.values()], every, int(turn * self._rarely))
         self._adaptive = every is None
         self._aimed_at: CameraView | None = None
+        self._tilings: dict[bool, Tiling] = {}
         self._uncalibrated = int(turn * self._rarely)
         self._last_ns: int | None = None
         self._seen: frozenset[TagKey] = frozenset()
@@ -99,8 +107,7 @@ class CameraSearch:
             tags += self._whole(frame)
             completed = True
         elif self._adaptive and self._aimed_at is not None:
-            tags_here, completed = self._tiles(frame, since_s)
-            tags += tags_here
+            tags, completed = self._elsewhere(frame, since_s, tags)
         vehicles = [tag for tag in without_duplicates(tags) if tag.key in self._known.vehicles]
         self._last_seen.remember(vehicles, frame.stamp_ns)
         self._seen = frozenset(tag.key for tag in vehicles)
@@ -119,10 +126,13 @@ class CameraSearch:
             return
         self._aimed_at = view
         self._watch.aim(view)
-        sizes = [] if view is None else tag_sizes(view, self._known)
-        if view is not None and sizes:
-            self._full.side_px = min(kind.least_px for kind in sizes)
-            self._spread.aim(tiling(view.model.width, view.model.height, sizes))
+        if view is not None:
+            floor, vehicles = floor_tag_sizes(view, self._known), vehicle_tag_sizes(view, self._known)
+            self._full.side_px = min((kind.least_px for kind in floor + vehicles), default=self._first_side_px)
+            width, height = view.model.width, view.model.height
+            self._tilings = {blind: tiling(width, height, vehicles + floor * blind) for blind in (False, True)}
+            self._spread.aim(self._tilings[False])
+            self._motion.aim(self._tilings[False].levels)
 
     def _whole_frame_due(self, stamp_ns: int) -> bool:
         if self._plan.whole_frame_due(stamp_ns):
@@ -153,7 +163,7 @@ class CameraSearch:
             return whole
         if self._calibration.eager:
             look = self._watch.look(frame.pixels)
-            if len({tag.key for tag in look} & self._known.floor.keys()) < max(2, self._watch.expects):
+            if len({tag.key for tag in look} & self._known.floor.keys()) < max(_ENOUGH_FLOOR_TAGS, self._watch.expects):
                 return True
             self._observe(look, frame.stamp_ns)
             return False
@@ -166,18 +176,25 @@ class CameraSearch:
         tags = self._search(self._full, frame)
         self._observe(tags, frame.stamp_ns)
         self._spread.restart()
-        if self._calibration.view is None and self._calibration.eager:
-            coarse, fine = _UNCALIBRATED_SIDE_PX
-            if len(self.floor_tags) < 2 and self._aimed_at is None:
-                self._full.side_px = fine if self._full.side_px == coarse else coarse
+        if self._aimed_at is None and len(self.floor_tags) < _ENOUGH_FLOOR_TAGS:
+            finer_px = self._full.side_px / 2
+            self._full.side_px = finer_px if finer_px >= _LEAST_SIDE_PX * 0.9 else self._first_side_px
         return tags
 
-    def _tiles(self, frame: Frame, since_s: float) -> tuple[list[TagObservation], bool]:
-        step = self._spread.step(frame.pixels, since_s, self._plan.round_s(frame.stamp_ns))
-        if step.round_tags is not None and self._watch.blind:
+    def _elsewhere(
+        self, frame: Frame, since_s: float, found: list[TagObservation]
+    ) -> tuple[list[TagObservation], bool]:
+        """What was found with what comes to it from where something moves and from some tiles; whether that ends a round."""
+        tags = list(found)
+        if self._plan.is_missing(frame.stamp_ns):
+            tags += self._motion.find(frame.pixels, found)
+        blind = self._watch.blind
+        self._spread.aim(self._tilings[blind])
+        step = self._spread.step(frame.pixels, since_s, 0.0 if blind else self._plan.round_s(frame.stamp_ns))
+        if step.round_tags is not None and blind:
             # Windows do not show the floor tags: they are covered, or somewhere else.
             self._observe(step.round_tags, frame.stamp_ns)
-        return step.tags, step.round_tags is not None
+        return tags + step.tags, step.round_tags is not None
 
     def _observe(self, tags: Sequence[TagObservation], stamp_ns: int) -> None:
         self.floor_tags = tuple(tag for tag in tags if tag.key in self._known.floor)

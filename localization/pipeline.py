@@ -39,7 +39,7 @@ class PipelineOptions:
     measured on the floor tags)."""
 
     full_search_every: int | None = None
-    search_budget_ms: float = 2.5
+    search_budget_ms: float = 3.0
     calibration_frames: int = 10
     noise: PoseNoise | None = None
 
@@ -77,6 +77,7 @@ class CameraPipeline:
             self._known,
             self._calibration,
             self._clock,
+            width=self.spec.width,
             every=self.options.full_search_every,
             budget_ms=self.options.search_budget_ms,
             rate_hz=self.spec.rate_hz,

@@ -11,8 +11,8 @@ HASTE_S = 2.0
 _HASTY_SHARE = 4
 """With a fixed K, while nothing is tracked at all, every frame is searched for two seconds, then this many times as often as K
 says."""
-_NOTHING_TRACKED_S = 0.5
-_SOMETHING_MISSING_S = 1.0
+_NOTHING_TRACKED_S = 0.2
+_SOMETHING_MISSING_S = 0.5
 _ALL_TRACKED_S = 3.0
 """How long a round over the picture takes."""
 
@@ -44,6 +44,10 @@ class SearchPlan:
             assert self._any_tracked_ns is not None, "note comes first"
             every = 1 if stamp_ns - self._any_tracked_ns < HASTE_S * 1e9 else max(1, every // _HASTY_SHARE)
         return self._turn % every == 0
+
+    def is_missing(self, stamp_ns: int) -> bool:
+        """Whether a vehicle of the lab is followed by no camera."""
+        return any(self._last_tracked_ns.get(vehicle) != stamp_ns for vehicle in self._vehicles)
 
     def round_s(self, stamp_ns: int) -> float:
         """How long the spread search may take for the whole picture; 0: as fast as it can."""

@@ -15,13 +15,18 @@ _FARTHEST_HEIGHTS = 3.0
 """A camera that sees the horizon is asked for tags up to this many times its height away."""
 
 
-def tag_sizes(view: CameraView, known: KnownTags) -> list[TagSizes]:
-    """The sizes in pixels of every kind of tag, over the places where the picture may show it; a kind that fits nowhere below
-    the camera is left out."""
-    kinds = {(known.floor_size_m, 0.0)} if known.floor else set[tuple[float, float]]()
-    kinds |= {(vehicle.tag.size_m, vehicle.tag.height_m) for vehicle in known.vehicles.values()}
+def vehicle_tag_sizes(view: CameraView, known: KnownTags) -> list[TagSizes]:
+    """The sizes in pixels of every kind of vehicle tag, over the places where the picture may show it; a kind that fits nowhere
+    below the camera is left out."""
+    kinds = {(vehicle.tag.size_m, vehicle.tag.height_m) for vehicle in known.vehicles.values()}
     found = [_sides(view, size_m, height_m) for size_m, height_m in sorted(kinds)]
     return [TagSizes(min(sides), max(sides)) for sides in found if sides]
+
+
+def floor_tag_sizes(view: CameraView, known: KnownTags) -> list[TagSizes]:
+    """The same of the floor tags, if there are any."""
+    sides = _sides(view, known.floor_size_m, 0.0) if known.floor else []
+    return [TagSizes(min(sides), max(sides))] if sides else []
 
 
 def _sides(view: CameraView, size_m: float, height_m: float) -> list[float]:

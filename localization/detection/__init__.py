@@ -3,6 +3,7 @@ and windows around predicted tags (spec localization, "The pipeline of 2025", st
 
 from localization.detection.detector import TagDetector, decimation_for
 from localization.detection.full import FullSearch
+from localization.detection.motion import MotionSearch
 from localization.detection.observation import (
     Box,
     Image,
@@ -21,6 +22,7 @@ __all__ = [
     "Box",
     "FullSearch",
     "Image",
+    "MotionSearch",
     "SpreadSearch",
     "SpreadStep",
     "TagDetector",

@@ -34,6 +34,7 @@ class SpreadSearch:
         self._detector, self._clock, self._budget_ms = detector, clock, budget_ms
         self._pace = 1.0
         self._credit_ms = 0.0
+        self._tiling: Tiling | None = None
         self._rim: tuple[Tile, ...] = ()
         self._inside: tuple[Tile, ...] = ()
         self._round_ms = 0.0
@@ -42,7 +43,10 @@ class SpreadSearch:
         self._round_tags: list[TagObservation] = []
 
     def aim(self, tiling: Tiling) -> None:
-        """Begins a round with other tiles."""
+        """Searches these tiles; others than before begin a new round."""
+        if tiling is self._tiling:
+            return
+        self._tiling = tiling
         self._rim, self._inside = tiling.rim, tiling.inside
         self._round_ms = tiling.nominal_ms
         self._next_rim = 0

@@ -31,9 +31,10 @@ class TagSizes:
 
 @dataclass(frozen=True, slots=True)
 class Level:
-    """One decimation with the largest tag that is looked for at it, pixels."""
+    """One decimation with the smallest and the largest tag that are looked for at it, pixels."""
 
     decimation: float
+    least_px: float
     most_px: float
 
     @property
@@ -60,8 +61,9 @@ class Tile:
 
 @dataclass(frozen=True, slots=True)
 class Tiling:
-    """The tiles of a picture: those of the rim and those inside of it."""
+    """The tiles of a picture, those of the rim and those inside of it, and the levels that they are of."""
 
+    levels: tuple[Level, ...]
     rim: tuple[Tile, ...]
     inside: tuple[Tile, ...]
 
@@ -78,25 +80,28 @@ def tiling(width: int, height: int, kinds: Iterable[TagSizes]) -> Tiling:
     """
     levels: dict[float, Level] = {}
     for kind in kinds:
-        decimation = decimation_for(kind.least_px, COARSE_PX)
-        known = levels.get(decimation, Level(decimation, 0.0))
-        levels[decimation] = Level(decimation, max(known.most_px, kind.most_px))
+        level = Level(decimation_for(kind.least_px, COARSE_PX), kind.least_px, kind.most_px)
+        known = levels.get(level.decimation, level)
+        levels[level.decimation] = _merged(known, level)
     chosen: list[Tiling] = []
-    merged: Level | None = None
     for level in sorted(levels.values(), key=lambda level: level.decimation):
         apart = _tiles(level, width, height)
-        if merged is not None:
-            both = Level(merged.decimation, max(merged.most_px, level.most_px))
-            together = _tiles(both, width, height)
+        if chosen:
+            together = _tiles(_merged(chosen[-1].levels[0], level), width, height)
             if together.nominal_ms <= chosen[-1].nominal_ms + apart.nominal_ms:
-                chosen[-1], merged = together, both
+                chosen[-1] = together
                 continue
         chosen.append(apart)
-        merged = level
     return Tiling(
+        tuple(itertools.chain.from_iterable(tiles.levels for tiles in chosen)),
         tuple(itertools.chain.from_iterable(tiles.rim for tiles in chosen)),
         tuple(itertools.chain.from_iterable(tiles.inside for tiles in chosen)),
     )
+
+
+def _merged(fine: Level, other: Level) -> Level:
+    """The tags of both at the decimation of the first."""
+    return Level(fine.decimation, min(fine.least_px, other.least_px), max(fine.most_px, other.most_px))
 
 
 def _tiles(level: Level, width: int, height: int) -> Tiling:
@@ -105,7 +110,7 @@ def _tiles(level: Level, width: int, height: int) -> Tiling:
     most = _TILE_MS / level.nominal_ms(1)
     inner = Box(rim - reach, rim - reach, width - rim + reach, height - rim + reach)
     if min(inner.right - inner.left, inner.bottom - inner.top) <= reach:
-        return Tiling(_grid(level, Box(0, 0, width, height), most), ())
+        return Tiling((level,), _grid(level, Box(0, 0, width, height), most), ())
     strips = (
         Box(0, 0, width, rim),
         Box(0, height - rim, width, height),
@@ -113,7 +118,7 @@ def _tiles(level: Level, width: int, height: int) -> Tiling:
         Box(width - rim, inner.top, width, inner.bottom),
     )
     outer = itertools.chain.from_iterable(_grid(level, strip, most) for strip in strips)
-    return Tiling(tuple(outer), _grid(level, inner, most))
+    return Tiling((level,), tuple(outer), _grid(level, inner, most))
 
 
 def _grid(level: Level, box: Box, most_pixels: float) -> tuple[Tile, ...]:
