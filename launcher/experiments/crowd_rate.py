@@ -108,11 +108,17 @@ def _time_camera(
 ) -> _Times:
     clock = FrameClock()
     renderer = CameraRenderer(lab, camera_id, seed)
-    pipeline = CameraPipeline(lab, camera_id, clock=clock, extrinsics=extrinsics)
+    pipeline = CameraPipeline(lab, camera_id, clock=clock)
+    # A camera that has just begun looks at its floor tags first: that is not what is timed.
+    warm_up = 2 * pipeline.options.calibration_frames
+    for number in range(-warm_up, 0):
+        clock.stamp_ns = looks[0].stamp_ns + round(number / pipeline.spec.rate_hz * 1e9)
+        empty = renderer.render(Snapshot(clock.stamp_ns, (), ()), warm_up + number)
+        pipeline.process(Frame(warm_up + number, clock.stamp_ns, empty), {})
     pipeline.adopt(extrinsics, floor_tags)
     frames = [
         Frame(number, look.stamp_ns, renderer.render(Snapshot(look.stamp_ns, look.vehicles, ()), number))
-        for number, look in enumerate(looks)
+        for number, look in enumerate(looks, start=warm_up)
     ]
     _barriers[0].wait(_READY_S)
     began_s, frames_ms = clock.monotonic_s(), list[float]()
