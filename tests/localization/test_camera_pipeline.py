@@ -186,7 +186,7 @@ def test_a_tag_at_the_edge_is_right_or_not_given(yaw: float) -> None:
             tag = vehicle_tag(LAB, "robot-10", pose).pose
             assert math.hypot(found.x - tag.x, found.y - tag.y) < 0.0005, f"step {step}"
             given += 1
-    assert 3 <= given <= 20, "from wholly visible to hardly at all"
+    assert 2 <= given <= 20, "from wholly visible to hardly at all"
 
 
 def test_two_prints_of_one_id_are_both_given() -> None:
