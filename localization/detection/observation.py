@@ -13,9 +13,9 @@ from localization.tags import TagKey
 Image = NDArray[np.uint8]
 """Grey of shape (height, width) or BGR of shape (height, width, 3)."""
 
-_WHITE_BORDER = 0.85 / 8
-"""How much of the white cell around the eight of a tag's side must be seen, relative to the side: with three quarters of it, a
-corner at the picture's edge was seen 3 px (6 mm on the floor) inside of where it is."""
+_WHITE_BORDER = 1.0 / 8
+"""The white cell around the eight of a tag's side must be seen, relative to the side: where the picture's edge cut it by a tenth
+to a quarter, corners were seen up to 4 px (7 mm on the floor) inside of where they are."""
 
 
 class Box(NamedTuple):

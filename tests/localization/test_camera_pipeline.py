@@ -181,7 +181,7 @@ def test_a_tag_at_the_edge_is_right_or_not_given(yaw: float) -> None:
     edge_x = float(MOUNTS["left"].translation[0]) + 1.9 * 478 / 620
     given = 0
     for step in range(30):
-        pose = SE2(edge_x - 0.15 + 0.003 * step, 0.5, yaw)
+        pose = SE2(edge_x - 0.16 + 0.003 * step, 0.5, yaw)
         for found in camera.process(picture(3 + step, robot_10=pose)).detections:
             tag = vehicle_tag(LAB, "robot-10", pose).pose
             assert math.hypot(found.x - tag.x, found.y - tag.y) < 0.0005, f"step {step}"
