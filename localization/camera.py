@@ -6,7 +6,7 @@ Detections leave first. Everything else follows at its own rate, and what Redis 
 import argparse
 import logging
 import signal
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from types import FrameType
 from typing import NoReturn, cast
 
@@ -17,6 +17,7 @@ from localization.camera_state import CameraStatistics
 from localization.floor import FloorObserver
 from localization.pipeline import CameraPipeline, PipelineOptions
 from localization.pose_feed import PoseFeed
+from localization.prediction import is_fresh
 from localization.preview import preview_jpeg
 from localization.sources import Source, open_source
 from localization.timings import CAMERA_STAGES, TimingLog, camera_stages, open_timing_log
@@ -28,7 +29,7 @@ from protocol.codec import decode, encode
 from protocol.errors import DecodeError, LabFileError
 from protocol.frames import Frame
 from protocol.lab import Lab, load_lab
-from protocol.messages import CameraExtrinsics
+from protocol.messages import CameraExtrinsics, TrackedPose
 from protocol.settings import Settings
 
 _logger = logging.getLogger(__name__)
@@ -60,6 +61,7 @@ class CameraService:
         self._names = {(v.tag.family, v.tag.id): v.id for v in lab.vehicles}
         self._poses = PoseFeed(bus, min(_MOST_POSE_READS_HZ, 2 * pipeline.spec.rate_hz))
         self._stored = pipeline.extrinsics
+        self._searched = False
         self._due: dict[str, float] = {}
 
     def run(self) -> NoReturn:
@@ -77,7 +79,8 @@ class CameraService:
                 stages_ms = camera_stages(detections, frame.decode_ms, (sent_s - ready_s) * 1e3)
                 self._timings.add(detections.stamp_ns, stages_ms)
                 statistics.add(detections, sent_s)
-                self._look_at_floor(frame)
+                self._searched |= detections.full_search
+                self._look_at_floor(frame, poses)
                 if self._calibration.note():
                     self._due.pop("state", None)  # an alarm does not wait for its turn
             now_s = clock.monotonic_s()
@@ -96,11 +99,13 @@ class CameraService:
         self._source.close()
         self._floor.save()
 
-    def _look_at_floor(self, frame: Frame) -> None:
+    def _look_at_floor(self, frame: Frame, poses: Mapping[str, TrackedPose]) -> None:
         extrinsics = self._pipeline.extrinsics
         if extrinsics is None:
             return
-        raster = self._floor.observe(frame, extrinsics, self._poses.newest)
+        seen = {self._names[tag.key] for tag in self._pipeline.tags if tag.key in self._names}
+        known = self._searched and all(name in poses and is_fresh(poses[name], frame.stamp_ns) for name in seen)
+        raster = self._floor.observe(frame, extrinsics, poses, robots_are_known=known)
         if raster is not None:
             self._bus.publish(RASTERS, self._id, raster)
         tile = self._floor.picture()

@@ -63,12 +63,18 @@ class FloorObserver:
         self._saved_ns: int | None = None
 
     def observe(
-        self, frame: Frame, extrinsics: CameraExtrinsics, poses: Mapping[str, TrackedPose]
+        self,
+        frame: Frame,
+        extrinsics: CameraExtrinsics,
+        poses: Mapping[str, TrackedPose],
+        *,
+        robots_are_known: bool = True,
     ) -> FloorRaster | None:
         """The floor raster at the frame's capture time; None for a frame that is left out (it comes too soon after the last
         one, or the camera sees no floor of the lab). While the floor is being learned, nothing is observed yet.
 
-        `poses` are the newest known ones by vehicle id. ValueError for a frame of another size than the lab file says.
+        `poses` are the newest known ones by vehicle id. Unless `robots_are_known`, one may stand in view that none of them is of:
+        then no floor is learned, for it would be learned with the robot on it, and its place be occupied when it leaves. ValueError for a frame of another size than the lab file says.
         """
         expected = (self._camera.height, self._camera.width)
         if frame.pixels.shape[:2] != expected:
@@ -102,7 +108,8 @@ class FloorObserver:
         near = cv2.dilate(occupied.astype(np.uint8), np.ones((2 * _KEEP_AWAY_CELLS + 1,) * 2, np.uint8)) > 0
         free = open_floor & ~np.kron(near, np.ones((view.per_cell,) * 2, np.bool_))
         background.follow(comparison, free, elapsed_s)
-        background.learn(comparison.normalised, open_floor)
+        if robots_are_known:
+            background.learn(comparison.normalised, open_floor)
         self._paint(frame, robots, occupied)
         self._save_when_due(frame.stamp_ns)
         return self._raster(view, frame.stamp_ns, occupied, observed)

@@ -125,6 +125,18 @@ def test_a_robot_learned_with_the_floor_leaves_no_ghost(scene: Scene) -> None:
     assert grid.look([(0.85, 2.64), (1.15, 2.64), (1.15, 2.96), (0.85, 2.96)]).observed_share == 1.0
 
 
+def test_no_floor_is_learned_under_a_robot_that_is_yet_to_be_tracked(scene: Scene) -> None:
+    scene.world.place("wifibot-14", SE2(1.0, 2.8, 0.4))
+    for _ in range(20):
+        frame = scene.frame()
+        raster = scene.observer.observe(frame, scene.extrinsics, {}, robots_are_known=False)
+        assert raster is None or not FloorGrid.from_raster(raster).observed.any()
+    scene.world.place("wifibot-14", SE2(-5.0, -5.0, 0.0))
+    grid = scene.run(1.5)
+    assert not grid.occupied.any()
+    assert grid.look([(0.85, 2.64), (1.15, 2.64), (1.15, 2.96), (0.85, 2.96)]).observed_share == 1.0
+
+
 @pytest.mark.parametrize("gain", [0.9, 1.1])
 def test_another_exposure_is_no_obstacle_and_hides_none(learned: Scene, gain: float) -> None:
     learned.gain = gain
