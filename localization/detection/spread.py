@@ -4,6 +4,7 @@
 from dataclasses import dataclass
 
 from localization.detection.detector import TagDetector
+from localization.detection.looks import equalised
 from localization.detection.observation import Image, TagObservation, is_whole_in, to_grey, without_duplicates
 from localization.detection.tiles import Tile, Tiling
 from protocol.clock import Clock
@@ -11,6 +12,8 @@ from protocol.clock import Clock
 _SLOWEST, _FASTEST = 20.0, 0.5
 """How many times the nominal time of a tile is believed. The lower bound also limits a frame's tiles where a clock stands
 still."""
+_EQUALISED_PART = 0.65
+"""Of the smallest tag's side: parts that an equalised tile consists of."""
 _LEARNING = 0.1
 """Weight of the newest tile's time."""
 
@@ -26,7 +29,8 @@ class SpreadStep:
 
 class SpreadSearch:
     """Searches tile after tile. Time is what is shared out: a frame takes tiles while its allowance, and what earlier frames
-    left of theirs, lasts for the next one by the time that tiles took so far."""
+    left of theirs, lasts for the next one by the time that tiles took so far. In every other round tiles are equalised first: so
+    tags on which a shadow's edge lies are found too."""
 
     def __init__(self, detector: TagDetector, clock: Clock, budget_ms: float) -> None:
         if budget_ms <= 0:
@@ -38,6 +42,7 @@ class SpreadSearch:
         self._rim: tuple[Tile, ...] = ()
         self._inside: tuple[Tile, ...] = ()
         self._round_ms = 0.0
+        self._equalise = False
         self._rim_done = self._inside_done = 0
         self._next_rim = 0
         self._round_tags: list[TagObservation] = []
@@ -79,7 +84,10 @@ class SpreadSearch:
     def _search(self, image: Image, tile: Tile) -> list[TagObservation]:
         start_s = self._clock.monotonic_s()
         box = tile.box
-        seen = self._detector.detect(to_grey(box.of(image)), tile.level.decimation, (box.left, box.top))
+        grey = to_grey(box.of(image))
+        if self._equalise:
+            grey = equalised(grey, _EQUALISED_PART * tile.level.least_px)
+        seen = self._detector.detect(grey, tile.level.decimation, (box.left, box.top))
         whole = [tag for tag in seen if is_whole_in(tag, box)]  # what is cut off lies wholly in the next tile
         self._round_tags += whole
         took = (self._clock.monotonic_s() - start_s) * 1e3 / tile.nominal_ms
@@ -105,6 +113,7 @@ class SpreadSearch:
         if self._rim_done < len(self._rim) or self._inside_done < len(self._inside):
             return None
         finished = without_duplicates(self._round_tags)
+        self._equalise = not self._equalise
         self.restart()
         return finished
 
