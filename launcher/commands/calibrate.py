@@ -12,6 +12,8 @@ import redis.asyncio
 from launcher.calibration_figures import in_force_figures, proposal_figures
 from launcher.errors import LauncherError, UsageError
 from launcher.lab_file import add_lab_arguments, read_lab
+from launcher.lens_calibration import add_arguments as add_lens_arguments
+from launcher.lens_calibration import calibrate_lens
 from launcher.output import Result, print_result, progress
 from launcher.running_redis import with_redis
 from localization.offline import (
@@ -65,7 +67,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--out", type=Path, metavar="FILE", help="write the result there, for `localize --calibration`"
     )
     extrinsics.set_defaults(act=_extrinsics)
-    for action in (status, run_, accept, discard, restore, export, extrinsics):
+    intrinsics = actions.add_parser(
+        "intrinsics", help="a camera's lens, from a recording of a chessboard or ChArUco board"
+    )
+    add_lens_arguments(intrinsics)
+    intrinsics.set_defaults(act=calibrate_lens)
+    for action in (status, run_, accept, discard, restore, export, extrinsics, intrinsics):
         action.add_argument("--json", action="store_true", help="print one JSON object to stdout")
 
 

@@ -1,6 +1,7 @@
 """Lenses from recordings of boards: drawn ray by ray through a known lens."""
 
 from collections.abc import Iterator
+from functools import cache
 
 import cv2
 import numpy as np
@@ -16,10 +17,14 @@ CHARUCO = BoardSpec("charuco", 9, 6, 0.04, 0.03)
 CHESSBOARD = BoardSpec("chessboard", 9, 6, 0.04)
 _TEXEL_M = 0.0005
 _MARGIN_M = 0.04
+_FINE = 2
+"""Each pixel is the mean of so many by so many."""
 
 
+@cache
 def printed(board: BoardSpec) -> NDArray[np.float32]:
-    """The board with a white margin, seen from its front; its first corner is at the picture's (margin, margin)."""
+    """The board with a white margin, seen from its front, its edges a little soft; its first corner is at the picture's
+    (margin, margin)."""
     cell = round(board.square_m / _TEXEL_M)
     if board.kind == "charuco":
         inner = board.charuco().generateImage((board.columns * cell, board.rows * cell), marginSize=0)
@@ -27,29 +32,29 @@ def printed(board: BoardSpec) -> NDArray[np.float32]:
         squares = (np.add.outer(np.arange(board.rows), np.arange(board.columns)) % 2) * 255
         inner = np.kron(squares, np.ones((cell, cell))).astype(np.uint8)
     margin = round(_MARGIN_M / _TEXEL_M)
-    return np.pad(inner, margin, constant_values=255).astype(np.float32)
+    return cv2.GaussianBlur(np.pad(inner, margin, constant_values=255).astype(np.float32), (0, 0), 1.0).astype(
+        np.float32
+    )
+
+
+@cache
+def rays() -> NDArray[np.float32]:
+    """Where the image's finer pixels look, shape (3, N), z = 1."""
+    u, v = ((np.arange(n * _FINE) + 0.5) / _FINE - 0.5 for n in (LENS.width, LENS.height))
+    grid = np.stack(np.meshgrid(u, v), axis=-1).reshape(-1, 1, 2)
+    flat = cv2.undistortPoints(grid, LENS.matrix(), LENS.distortion_array()).reshape(-1, 2)
+    return np.vstack([flat.T, np.ones(len(flat))]).astype(np.float32)
 
 
 def picture(board: BoardSpec, T_camera_board: SE3, seed: int, blur_px: float = 0.7) -> NDArray[np.uint8]:
     """Grey, with noise; the board's frame has x along its columns, y along its rows, z away from the viewer."""
-    fine = 2
-    u, v = ((np.arange(n * fine) + 0.5) / fine - 0.5 for n in (LENS.width, LENS.height))
-    grid = np.stack(np.meshgrid(u, v), axis=-1).reshape(-1, 1, 2)
-    rays = cv2.undistortPoints(grid, LENS.matrix(), LENS.distortion_array()).reshape(-1, 2)
     homography = np.linalg.inv(
         np.column_stack([T_camera_board.rotation[:, 0], T_camera_board.rotation[:, 1], T_camera_board.translation])
     )
-    on_board = np.column_stack([rays, np.ones(len(rays))]) @ homography.T
-    texel = ((on_board[:, :2] / on_board[:, 2:] + _MARGIN_M) / _TEXEL_M - 0.5).astype(np.float32)
-    shape = (LENS.height * fine, LENS.width * fine)
-    drawn = cv2.remap(
-        cv2.GaussianBlur(printed(board), (0, 0), 1.0),
-        texel[:, 0].reshape(shape),
-        texel[:, 1].reshape(shape),
-        cv2.INTER_LINEAR,
-        borderMode=cv2.BORDER_CONSTANT,
-        borderValue=90.0,
-    )
+    x, y, w = homography.astype(np.float32) @ rays()
+    shape = (LENS.height * _FINE, LENS.width * _FINE)
+    u, v = (((along / w + _MARGIN_M) / _TEXEL_M - 0.5).reshape(shape) for along in (x, y))
+    drawn = cv2.remap(printed(board), u, v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=90.0)
     small = cv2.resize(drawn, (LENS.width, LENS.height), interpolation=cv2.INTER_AREA)
     small = cv2.GaussianBlur(small, (0, 0), blur_px) * 0.8 + 20.0
     small += np.random.default_rng(seed).normal(0.0, 2.0, small.shape)
