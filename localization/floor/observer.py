@@ -73,8 +73,9 @@ class FloorObserver:
         """The floor raster at the frame's capture time; None for a frame that is left out (it comes too soon after the last
         one, or the camera sees no floor of the lab). While the floor is being learned, nothing is observed yet.
 
-        `poses` are the newest known ones by vehicle id. Unless `robots_are_known`, one may stand in view that none of them is of:
-        then no floor is learned, for it would be learned with the robot on it, and its place be occupied when it leaves. ValueError for a frame of another size than the lab file says.
+        `poses` are the newest known ones by vehicle id. Unless `robots_are_known`, one may stand in view that none of them
+        is of: then no floor is learned, for it would be learned with the robot on it, and its place be occupied when it leaves.
+        ValueError for a frame of another size than the lab file says.
         """
         expected = (self._camera.height, self._camera.width)
         if frame.pixels.shape[:2] != expected:
