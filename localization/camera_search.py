@@ -30,9 +30,9 @@ from protocol.clock import Clock
 from protocol.frames import Frame
 from protocol.messages import TrackedPose
 
-_UNCALIBRATED_SIDE = 0.014
+_UNCALIBRATED_SIDE = 0.0145
 _LEAST_SIDE_PX = 14.0
-"""Before a camera knows its height it is asked for tags from this share of the picture's width on (27 px in Full HD), and while
+"""Before a camera knows its height it is asked for tags from this share of the picture's width on (28 px in Full HD), and while
 that does not show enough floor tags, for ever smaller ones."""
 _ENOUGH_FLOOR_TAGS = 2
 _LONGEST_PAUSE_S = 0.2
