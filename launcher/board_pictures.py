@@ -69,7 +69,8 @@ def _camera_in(entry: Path) -> str | None:
 
 
 def _pictures_in(folder: Path) -> list[Path]:
-    files = [file for file in (entries := _entries(folder)) if file.suffix.lower() in _PICTURES]
+    entries = _entries(folder)
+    files = [file for file in entries if file.suffix.lower() in _PICTURES]
     if files:
         return files
     cameras = [name for entry in entries if (name := _camera_in(entry)) is not None]
