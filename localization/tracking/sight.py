@@ -15,8 +15,8 @@ Array = NDArray[np.float64]
 
 _LEAST_M, _LEAST_RAD = 1e-5, 1e-5
 """Nothing is surer than that; it keeps noise invertible where a detection says that all of it is systematic."""
-_ROUNDING = 1e-7
-"""A standard deviation this small beside the whole is what rounding left of none (the square root of 1e-14)."""
+_ROUNDING = 1e-5
+"""A standard deviation this small beside the whole is not worth a factor: rounding could have left it of none."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

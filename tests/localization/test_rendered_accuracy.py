@@ -105,9 +105,17 @@ def _wholly_visible(pipeline: CameraPipeline, tag: SE2, height_m: float, reach_m
 
 
 def surveyed(**errors: float) -> Lab:
-    """The report's room, measured with these standard deviations (`simulation.survey`); none: without error."""
+    """The report's room, measured with these standard deviations (`simulation.survey`), and saying so; none: without error."""
     data = load_lab(GULLIVER).model_dump()
     data["simulation"]["survey"] = errors
+    if not errors:
+        data["accuracy"] = {
+            "floor_tag_m": 1e-4,
+            "floor_tag_rad": 1e-3,
+            "tag_height_m": 1e-4,
+            "focal": 1e-5,
+            "center_px": 0.01,
+        }
     return Lab.model_validate(data)
 
 

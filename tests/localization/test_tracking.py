@@ -113,7 +113,7 @@ def test_the_factor_of_a_covariance_may_be_singular(scale: float, size: float, a
     root = np.array([[scale, 0.0, 0.0], [a * scale, size * scale, 0.0], [b * scale, c * scale, 0.0]])
     covariance = root @ root.T
     factor = cholesky(covariance)
-    assert factor @ factor.T == pytest.approx(covariance, abs=1e-6 * scale**2)
+    assert factor @ factor.T == pytest.approx(covariance, abs=5e-5 * scale**2)
     assert factor[0, 1] == factor[0, 2] == factor[1, 2] == 0.0
 
 
