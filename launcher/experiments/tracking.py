@@ -16,7 +16,7 @@ from launcher.experiments.courses import CourseFollower, infinity, rectangle
 from launcher.experiments.tracking_score import TrackingScore
 from launcher.lab_file import add_lab_file_argument, read_lab
 from launcher.output import Result
-from localization.pipeline import CameraPipeline
+from localization.pipeline import CameraPipeline, PipelineOptions
 from localization.tracking import Tracker
 from protocol.clock import SystemClock
 from protocol.frames import Frame
@@ -45,13 +45,15 @@ class WorldClock(SystemClock):
 class Camera:
     """One simulated camera with its pipeline, and the optics that say which tags it must see."""
 
-    def __init__(self, lab: Lab, world: World, index: int, seed: int | None) -> None:
+    def __init__(
+        self, lab: Lab, world: World, index: int, seed: int | None, options: PipelineOptions | None = None
+    ) -> None:
         self.spec = lab.cameras[index]
         self._lab = lab
         self._renderer = CameraRenderer(lab, self.spec.id, seed)
         self._seed = lab.simulation.seed if seed is None else seed
         self._optics = Optics(true_camera_model(lab, self.spec, self._seed), lab.simulation.mounts[self.spec.id])
-        self.pipeline = CameraPipeline(lab, self.spec.id, clock=WorldClock(world))
+        self.pipeline = CameraPipeline(lab, self.spec.id, clock=WorldClock(world), options=options)
         self._world = world
         self._frames = 0
         self._start_ns = world.stamp_ns + round(index / len(lab.cameras) / self.spec.rate_hz * 1e9)
@@ -116,12 +118,17 @@ def run(arguments: argparse.Namespace) -> Result:
     return Result("tracking", figures, settings=settings)
 
 
-def measure(lab: Lab, seconds: float, seed: int | None = None) -> tuple[TrackingScore, list[float]]:
-    """Drives for `seconds`; the score, and how long each frame took from pixels to detections (ms, without rendering)."""
+def measure(
+    lab: Lab, seconds: float, seed: int | None = None, options: PipelineOptions | None = None
+) -> tuple[TrackingScore, list[float]]:
+    """Drives for `seconds`; the score, and how long each frame took from pixels to detections (ms, without rendering).
+
+    How soon a newcomer is found depends on the machine, unless `options` fix how often whole frames are searched.
+    """
     world = World(lab, seed)
     followers = start_vehicles(lab, world)
     vehicles = [vehicle for vehicle in lab.vehicles if vehicle.id in followers]
-    cameras = [Camera(lab, world, index, seed) for index in range(len(lab.cameras))]
+    cameras = [Camera(lab, world, index, seed, options) for index in range(len(lab.cameras))]
     tracker, poses = Tracker(lab), dict[str, TrackedPose]()
     score, durations_ms = TrackingScore(), list[float]()
     steps = round((SETTLE_S + seconds) / world.step_s)
