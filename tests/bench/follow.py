@@ -52,7 +52,7 @@ class Run:
         self._told: list[Mapping[str, TrackedPose]] = [{} for _ in recordings]
         self._number = 0
         for camera, recording in zip(self._cameras, recordings, strict=True):
-            camera.prepare(Frame(0, START_NS, decoded(recording.frames[0])))
+            camera.prepare(Frame(0, START_NS, decoded(recording.floor)))
         self.play(WARM_UP_FRAMES if method.fuses else BASELINE_WARM_UP_FRAMES)
 
     def play(self, frames: int) -> Block:
@@ -71,7 +71,7 @@ class Run:
             self._told[index] = dict(self._fusion.poses)
         recorded = recording.frames[self._number % len(recording.frames)]
         started_s = time.perf_counter()
-        pixels = decoded(recorded)
+        pixels = decoded(recorded.jpeg)
         decoded_s = time.perf_counter()
         frame = Frame(self._number + 1, recording.stamp_ns(self._number, START_NS), pixels)
         message = camera.process(frame, self._told[index])

@@ -9,6 +9,7 @@ from pathlib import Path
 import cv2
 import msgspec
 import numpy as np
+from numpy.typing import NDArray
 
 from geometry import SE2
 from lab.rendering import CameraRenderer
@@ -42,9 +43,11 @@ class RecordedFrame(msgspec.Struct, frozen=True):
 
 
 class Recording(msgspec.Struct, frozen=True):
-    """One camera's loop; frame n of the endless film is frame n modulo the length, and each round takes `period_ns`."""
+    """One camera's loop; frame n of the endless film is frame n modulo the length, and each round takes `period_ns`. `floor` is a
+    grey JPEG of the floor before anybody drove on it, for methods that are calibrated apart."""
 
     camera: str
+    floor: bytes
     period_ns: int
     frames: tuple[RecordedFrame, ...]
 
@@ -93,12 +96,12 @@ def record(labs: list[Lab], camera_id: str, frames: int | None, seed: int, files
     # Free-running cameras do not expose at the same instant.
     late = [camera.id for camera in most.cameras].index(camera_id) / len(most.cameras)
     length = LOOP_FRAMES[resolution_of(most)]
+    floor = _jpeg(renderer.render(Snapshot(0, (), ()), 0))
     for lab, file in zip(labs, files, strict=True):
         recorded: list[RecordedFrame] = []
         for index in range(frames or length):
             present = vehicles_at(lab, (index + late) / length)
-            pixels = renderer.render(Snapshot(0, present, ()), index + 1)
-            jpeg = cv2.imencode(".jpg", pixels, [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])[1].tobytes()
+            jpeg = _jpeg(renderer.render(Snapshot(0, present, ()), index + 1))
             truth = {
                 lab.vehicle(each.id).tag.id: _tag_pose(lab, each)
                 for each in present
@@ -106,18 +109,22 @@ def record(labs: list[Lab], camera_id: str, frames: int | None, seed: int, files
             }
             recorded.append(RecordedFrame(jpeg, round((index + late) / RATE_HZ * 1e9), truth))
         period_ns = round(len(recorded) / RATE_HZ * 1e9)
-        file.write_bytes(msgspec.msgpack.encode(Recording(camera_id, period_ns, tuple(recorded))))
+        file.write_bytes(msgspec.msgpack.encode(Recording(camera_id, floor, period_ns, tuple(recorded))))
 
 
 def read_recording(file: Path) -> Recording:
     return msgspec.msgpack.decode(file.read_bytes(), type=Recording)
 
 
-def decoded(frame: RecordedFrame) -> np.ndarray[tuple[int, ...], np.dtype[np.uint8]]:
+def decoded(jpeg: bytes) -> NDArray[np.uint8]:
     """The picture as a camera process decodes it: grey, shape (height, width)."""
-    image = cv2.imdecode(np.frombuffer(frame.jpeg, dtype=np.uint8), cv2.IMREAD_GRAYSCALE)
+    image = cv2.imdecode(np.frombuffer(jpeg, dtype=np.uint8), cv2.IMREAD_GRAYSCALE)
     assert image is not None
     return image.astype(np.uint8, copy=False)
+
+
+def _jpeg(pixels: NDArray[np.uint8]) -> bytes:
+    return cv2.imencode(".jpg", pixels, [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])[1].tobytes()
 
 
 def _tag_pose(lab: Lab, vehicle: VehicleSnapshot) -> tuple[float, float, float]:

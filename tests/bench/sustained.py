@@ -116,8 +116,8 @@ def _camera(
     cv2.setNumThreads(1)
     recording = read_recording(file)
     camera = methods(resolution)[name].camera(lab, recording.camera, 1)
-    pictures = None if with_decode else [decoded(frame) for frame in recording.frames]
-    camera.prepare(Frame(0, START_NS, decoded(recording.frames[0])))
+    pictures = None if with_decode else [decoded(frame.jpeg) for frame in recording.frames]
+    camera.prepare(Frame(0, START_NS, decoded(recording.floor)))
     told: Mapping[str, TrackedPose] = {}
     number, allowed = 0, 0
     try:
@@ -128,7 +128,7 @@ def _camera(
                 if poses:
                     told = {pose.vehicle: pose for pose in (decode(TrackedPose, each) for each in poses)}
             index = number % len(recording.frames)
-            pixels = decoded(recording.frames[index]) if pictures is None else pictures[index].copy()
+            pixels = decoded(recording.frames[index].jpeg) if pictures is None else pictures[index].copy()
             frame = Frame(number + 1, recording.stamp_ns(number, START_NS), pixels)
             connection.send_bytes(camera.process(frame, told))
             number += 1

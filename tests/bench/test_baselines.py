@@ -32,9 +32,9 @@ def recording(lab: Lab, tmp_path_factory: pytest.TempPathFactory) -> Recording:
 
 
 def played(baseline: Baseline, recording: Recording) -> list[FrameDetections]:
-    baseline.calibrate(Frame(0, 0, decoded(recording.frames[0])))
+    baseline.calibrate(Frame(0, 0, decoded(recording.floor)))
     return [
-        baseline.process(Frame(number, recording.stamp_ns(number, 0), decoded(frame)))
+        baseline.process(Frame(number, recording.stamp_ns(number, 0), decoded(frame.jpeg)))
         for number, frame in enumerate(recording.frames)
     ]
 

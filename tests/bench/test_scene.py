@@ -8,6 +8,7 @@ import pytest
 
 from launcher.paths import DEFAULT_LAB
 from protocol.lab import load_lab
+from tests.bench.baselines.detector import PublishedDetector
 from tests.bench.scene import LOOP_FRAMES, RATE_HZ, SPEED_MPS, bench_lab, decoded, read_recording, record, vehicles_at
 
 
@@ -40,9 +41,11 @@ def test_a_recording_tells_the_truth_of_its_pictures(tmp_path: Path) -> None:
     lab = bench_lab(load_lab(DEFAULT_LAB), "fullhd", 4)
     record([lab], "cam1", 3, 1, [tmp_path / "cam1"])
     recording = read_recording(tmp_path / "cam1")
-    assert decoded(recording.frames[0]).shape == (1080, 1920)
+    assert decoded(recording.frames[0].jpeg).shape == (1080, 1920)
     # cam1 looks at x = 3: at 2.4 one is in view, at 4.0 another.
     assert set(recording.frames[0].truth) == {21, 22}
+    detector = PublishedDetector(lab.floor_tags.family, range(40), 1)
+    assert set(detector.detect(decoded(recording.floor))) == {2, 3, 4, 5}, "calibration needs the bare floor"
     stamps = [recording.stamp_ns(number, 0) for number in range(7)]
     steps = {after - before for before, after in itertools.pairwise(stamps)}
     assert max(steps) - min(steps) <= 2, "the film goes on at one pace over its end"
