@@ -37,6 +37,9 @@ _SMALLEST_BLOB = 3
 """Cells; smaller specks are noise or a robot's rim. Anything 10 cm wide covers more."""
 _KEEP_AWAY_CELLS = 2
 """The background is not followed so near to something occupied: its shadow and reflection would be learned."""
+_SHADE_M = 0.25
+"""No floor is learned so near to a robot: its shadow and what shines back from it would be, and their place be occupied when
+it leaves."""
 _SAVE_EVERY_S = 60.0
 _FIRST_SAVE_S = 10.0
 _IMPLAUSIBLE_SHARE = 0.4
@@ -110,7 +113,8 @@ class FloorObserver:
         free = open_floor & ~np.kron(near, np.ones((view.per_cell,) * 2, np.bool_))
         background.follow(comparison, free, elapsed_s)
         if robots_are_known:
-            background.learn(comparison.normalised, open_floor)
+            shaded = robot_mask(view, robots, frame.stamp_ns, margin_m=_SHADE_M)
+            background.learn(comparison.normalised, open_floor & ~shaded)
         self._paint(frame, robots, occupied)
         self._save_when_due(frame.stamp_ns)
         return self._raster(view, frame.stamp_ns, occupied, observed)

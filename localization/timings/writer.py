@@ -1,8 +1,10 @@
 """Writes one process's timings of a run in segments of limited size, the oldest of which are dropped; and drops old runs."""
 
 import math
+import os
 import shutil
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -55,11 +57,16 @@ class SegmentWriter:
         if self._path is None or self._size + len(data) > self._segment_bytes:
             self._begin()
         assert self._path is not None
-        path, self._path = self._path, None  # after a failure the end of the file is unknown: another segment follows
-        with path.open("ab") as file:
-            file.write(data)
-            self._size = file.tell()
-        self._path = path
+        path, self._path = self._path, None  # unless the file can be put in order, another segment follows a failure
+        try:
+            with path.open("ab") as file:
+                file.write(data)
+        except OSError:
+            with suppress(OSError):
+                os.truncate(path, self._size)  # a part of it may have been written
+                self._path = path
+            raise
+        self._path, self._size = path, self._size + len(data)
 
     def _begin(self) -> None:
         self._folder.mkdir(parents=True, exist_ok=True, mode=0o700)
@@ -68,7 +75,11 @@ class SegmentWriter:
         number = int(present[-1].name.split(".")[-2]) + 1 if present else 1
         path = self._folder / segment_name(self._header.process, number)
         header = encode_header(msgspec.structs.replace(self._header, start_ns=self._now_ns()))
-        path.write_bytes(header)
+        try:
+            path.write_bytes(header)
+        except OSError:
+            path.unlink(missing_ok=True)  # else a full disk, tried again and again, pushes out the past with empty files
+            raise
         self._path, self._size = path, len(header)
 
     def _make_room(self, present: Sequence[Path]) -> None:

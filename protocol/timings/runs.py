@@ -1,6 +1,7 @@
 """Runs: the folders in which the segments of one start of the system lie together, read back as one."""
 
 from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -11,6 +12,8 @@ from numpy.typing import NDArray
 from protocol.errors import DecodeError
 from protocol.settings import is_run_name
 from protocol.timings.segment import SUFFIX, Header, Segment, read_header, read_segment
+
+_SLACK_S = 60.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -119,24 +122,22 @@ def summarize(folder: Path) -> RunSummary | None:
     return RunSummary(folder.name, first, processes, size, newest_ns)
 
 
-def read_run(folder: Path, since_ns: int | None = None) -> Run:
-    """A run with its records, or those stamped from `since_ns` on. DecodeError when none can be read."""
-    return _run(folder.name, _segments(folder), since_ns, where=str(folder))
+def read_run(folder: Path, last_s: float | None = None) -> Run:
+    """A run with its records, or those of its last so many seconds. DecodeError when none can be read."""
+    found = _run(folder.name, _segments(folder), last_s, where=str(folder))
+    return found if last_s is None else found.last(last_s)
 
 
 def read_files(paths: Sequence[Path]) -> Run:
     """Segments given by name, as one run. DecodeError when one is no timing log; OSError when one cannot be read."""
-    return _joined(paths[0].stem, [read_segment(path) for path in paths], None)
+    return _joined(paths[0].stem, [read_segment(path) for path in paths])
 
 
-def _run(name: str, paths: Iterable[Path], since_ns: int | None, where: str) -> Run:
+def _run(name: str, paths: Iterable[Path], last_s: float | None, where: str) -> Run:
     segments: list[Segment] = []
     problem = "no timing log in it"
-    for path in reversed(list(paths)):
+    for path in _written_lately(paths, last_s):
         try:
-            # What is older than the time asked for need not be read: a run may be large.
-            if since_ns is not None and segments and path.stat().st_mtime_ns < since_ns:
-                continue
             segments.append(read_segment(path))
         except FileNotFoundError:
             continue  # dropped for a newer one in this moment
@@ -144,20 +145,33 @@ def _run(name: str, paths: Iterable[Path], since_ns: int | None, where: str) -> 
             problem = str(error)
     if not segments:
         raise DecodeError(f"{where}: {problem}")
-    return _joined(name, segments[::-1], since_ns)
+    return _joined(name, segments)
 
 
-def _joined(name: str, segments: Sequence[Segment], since_ns: int | None) -> Run:
+def _written_lately(paths: Iterable[Path], last_s: float | None) -> list[Path]:
+    """Without the segments that were finished too long before the run's end to hold any record of its last seconds: a run may
+    be large. Records are written within a second; a minute more does no harm."""
+    written: dict[Path, int] = {}
+    for path in paths:
+        with suppress(FileNotFoundError):  # dropped for a newer one in this moment
+            written[path] = path.stat().st_mtime_ns
+    if last_s is None or not written:
+        return list(written)
+    since_ns = max(written.values()) - round((last_s + _SLACK_S) * 1e9)
+    return [path for path, stamp_ns in written.items() if stamp_ns >= since_ns]
+
+
+def _joined(name: str, segments: Sequence[Segment]) -> Run:
     ordered = sorted(segments, key=lambda segment: segment.header.start_ns)
     by_process: dict[str, list[Segment]] = {}
     for segment in ordered:
         by_process.setdefault(segment.header.process, []).append(segment)
-    processes = tuple(_process(by_process[process], since_ns) for process in sorted(by_process))
+    processes = tuple(_process(by_process[process]) for process in sorted(by_process))
     first = min((s.header for s in segments), key=lambda header: (header.run_start_ns, header.start_ns))
     return Run(name, first, processes)
 
 
-def _process(segments: Sequence[Segment], since_ns: int | None) -> ProcessTimings:
+def _process(segments: Sequence[Segment]) -> ProcessTimings:
     stages = tuple(dict.fromkeys(stage for segment in segments for stage in segment.header.stages))
     stamps = np.concatenate([segment.stamps_ns for segment in segments])
     ms = np.full((stamps.size, len(stages)), np.nan, np.float32)
@@ -167,8 +181,7 @@ def _process(segments: Sequence[Segment], since_ns: int | None) -> ProcessTiming
         ms[row : row + len(segment.ms), columns] = segment.ms
         row += len(segment.ms)
     header = segments[0].header
-    whole = ProcessTimings(header.process, header.kind, stages, stamps, ms)
-    return whole if since_ns is None else whole.since(since_ns)
+    return ProcessTimings(header.process, header.kind, stages, stamps, ms)
 
 
 def _folders(folder: Path) -> list[Path]:

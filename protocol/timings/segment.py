@@ -76,7 +76,9 @@ def record_struct(stages: int) -> struct.Struct:
 def read_header(path: Path) -> Header:
     """The header alone. DecodeError, naming the file, when it is none; OSError when it cannot be read."""
     with path.open("rb") as file:
-        return _header(path, file.read(_PREFIX.size + _LARGEST_HEADER))[0]
+        prefix = file.read(_PREFIX.size)
+        announced = _PREFIX.unpack(prefix)[1] if len(prefix) == _PREFIX.size else 0
+        return _header(path, prefix + file.read(min(announced, _LARGEST_HEADER)))[0]
 
 
 def read_segment(path: Path) -> Segment:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from protocol import keys
 from protocol.channels import CALIBRATION_RUNS, LAB_INSTANCE
 from protocol.clock import Clock
-from protocol.lab import Lab
+from protocol.lab import Lab, camera_basis, floor_basis
 from protocol.messages import Calibration, CalibrationProposal, CalibrationRun, Event, EventLevel, RunState
 from protocol.messages.calibration import CURRENT, PREVIOUS
 from server.errors import ConflictError, InvalidError
@@ -75,10 +75,11 @@ class CalibrationRepository:
 
     async def accept(self, proposal_id: int, actor: str) -> Calibration:
         """Puts the proposal in force; what was in force becomes the previous one. ConflictError when it is not that proposal
-        that waits."""
+        that waits, or when it rests on another lab description."""
 
         async def work(transaction: Transaction) -> Calibration:
             proposal = await self._waiting(transaction, proposal_id)
+            self._require_of_this_lab(proposal.calibration, "the proposed calibration")
             new = self._in_force(proposal.calibration, actor)
             self._replace(transaction, new, await transaction.find(CALIBRATIONS, CURRENT))
             await self._decide(transaction, proposal_id, RunState.ACCEPTED)
@@ -100,12 +101,13 @@ class CalibrationRepository:
 
     async def restore(self, actor: str) -> Calibration:
         """Puts the previous result in force again, and keeps the present one as the previous: done twice, it undoes itself.
-        ConflictError when there is none."""
+        ConflictError when there is none, or when it rests on another lab description."""
 
         async def work(transaction: Transaction) -> Calibration:
             previous = await transaction.get(CALIBRATIONS, PREVIOUS)
             if previous is None:
                 raise ConflictError("there is no previous calibration to restore")
+            self._require_of_this_lab(previous, "the previous calibration")
             new = self._in_force(previous, actor)
             self._replace(transaction, new, await transaction.find(CALIBRATIONS, CURRENT))
             self._record(transaction, actor, "calibration_restored", f"{actor} restored the previous calibration")
@@ -145,6 +147,17 @@ class CalibrationRepository:
         else:
             transaction.delete(CALIBRATIONS, PREVIOUS)
         transaction.put(CALIBRATIONS, CURRENT, new)
+
+    def _require_of_this_lab(self, calibration: Calibration, what: str) -> None:
+        """Cameras ignore what rests on another description: putting it in force would only push out a good one."""
+        if calibration.floor_basis != floor_basis(self._lab.floor_tags):
+            raise ConflictError(f"{what} rests on other floor tags than the lab file has now; calibrate anew")
+        bases = {camera.id: camera_basis(camera) for camera in self._lab.cameras}
+        changed = [name for name, camera in calibration.cameras.items() if bases.get(name) != camera.basis]
+        if changed:
+            raise ConflictError(
+                f"{what} rests on another description of {', '.join(sorted(changed))} than the lab file has now; calibrate anew"
+            )
 
     def _in_force(self, calibration: Calibration, actor: str) -> Calibration:
         """From now on: cameras take what is newer than what they found by themselves."""

@@ -48,7 +48,7 @@ FULL = Plan(
     VEHICLE_COUNTS,
     5,
     {
-        "fullhd": {"ours": 120, "gulliview2025": 32, "gulliview2024": 32, "gulliview2023": 8},
+        "fullhd": {"ours": 120, "gulliview2025": 48, "gulliview2024": 32, "gulliview2023": 8},
         "uhd": {"ours": 60, "gulliview2025": 8, "gulliview2024": 8, "gulliview2023": 2},
     },
     6.0,
@@ -58,7 +58,7 @@ QUICK = Plan(
     (_MAIN_COUNT,),
     3,
     {
-        "fullhd": {"ours": 120, "gulliview2025": 16, "gulliview2024": 16, "gulliview2023": 1},
+        "fullhd": {"ours": 120, "gulliview2025": 48, "gulliview2024": 16, "gulliview2023": 1},
         "uhd": {"ours": 30, "gulliview2025": 8},
     },
     2.0,

@@ -50,11 +50,14 @@ class Fusion:
     def __init__(self, lab: Lab) -> None:
         self._tracker = Tracker(lab)
         self.poses: dict[str, TrackedPose] = {}
+        self.changed: tuple[str, ...] = ()
+        """The vehicles whose poses the newest message changed."""
 
     def fuse(self, message: bytes) -> list[bytes]:
         """One camera's message to those that tell of the poses it changed."""
         changed = self._tracker.update(decode(FrameDetections, message))
         self.poses.update({pose.vehicle: pose for pose in changed})
+        self.changed = tuple(pose.vehicle for pose in changed)
         return [encode(pose) for pose in changed]
 
 

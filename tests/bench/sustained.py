@@ -28,8 +28,8 @@ _END_S = 10.0
 
 @dataclass(frozen=True, slots=True)
 class Sustained:
-    """Frames per second of all cameras together; and, where there is a tracker, how many poses it gave relative to the tags that
-    were wholly visible in those frames."""
+    """Frames per second of all cameras together; and, where there is a tracker, for what share of the tags that were wholly
+    visible in those frames it gave a pose."""
 
     fps: float
     pose_share: float | None
@@ -56,7 +56,7 @@ def sustained(
     ours = [mine for mine, _ in pipes]
     try:
         fuses = methods(resolution)[name].fuses
-        visible = [[len(frame.truth) for frame in read_recording(file).frames] for file in files] if fuses else None
+        visible = [_visible(lab, file) for file in files] if fuses else None
         return _conduct(lab, ours, visible, seconds)
     except (EOFError, OSError) as error:
         raise SustainedError(f"a camera process of {name} ended early ({type(error).__name__})") from error
@@ -69,9 +69,17 @@ def sustained(
                 worker.terminate()
 
 
-def _conduct(lab: Lab, cameras: Sequence[Connection], visible: list[list[int]] | None, seconds: float) -> Sustained:
-    """Takes the messages in, fuses them where somebody does, and lets the cameras go on. `visible`: tags in
-    each frame of the film, by camera."""
+def _visible(lab: Lab, file: Path) -> list[frozenset[str]]:
+    """The vehicles whose whole tag each frame of a film shows."""
+    names = {vehicle.tag.id: vehicle.id for vehicle in lab.vehicles}
+    return [frozenset(names[tag] for tag in frame.truth) for frame in read_recording(file).frames]
+
+
+def _conduct(
+    lab: Lab, cameras: Sequence[Connection], visible: list[list[frozenset[str]]] | None, seconds: float
+) -> Sustained:
+    """Takes the messages in, fuses them where somebody does, and lets the cameras go on. `visible`: by camera, the vehicles in
+    each frame of the film."""
     for camera in cameras:
         if not camera.poll(_STARTUP_S):
             raise EOFError
@@ -80,7 +88,8 @@ def _conduct(lab: Lab, cameras: Sequence[Connection], visible: list[list[int]] |
     done = dict.fromkeys(cameras, 0)
     before = dict(done)
     warm_up = BASELINE_WARM_UP_FRAMES if fusion is None else WARM_UP_FRAMES
-    told = poses = 0
+    told = expected = posed = 0
+    films = None if visible is None else dict(zip(cameras, visible, strict=True))
     begun_s: float | None = None
     for camera in cameras:
         camera.send((LEAD, []))
@@ -88,7 +97,10 @@ def _conduct(lab: Lab, cameras: Sequence[Connection], visible: list[list[int]] |
         for camera in wait(cameras, timeout=_STARTUP_S):
             assert isinstance(camera, Connection)
             message = camera.recv_bytes()
-            poses += 0 if fusion is None else len(fusion.fuse(message))
+            if fusion is not None and films is not None:
+                fusion.fuse(message)
+                shown = films[camera][done[camera] % len(films[camera])]
+                expected, posed = expected + len(shown), posed + len(shown.intersection(fusion.changed))
             done[camera] += 1
         slowest = min(done.values())
         if slowest > told:
@@ -97,16 +109,9 @@ def _conduct(lab: Lab, cameras: Sequence[Connection], visible: list[list[int]] |
             for camera in cameras:
                 camera.send((told + LEAD, news))
         if begun_s is None and slowest >= warm_up:
-            begun_s, before, poses = time.perf_counter(), dict(done), 0
+            begun_s, before, expected, posed = time.perf_counter(), dict(done), 0, 0
     fps = (sum(done.values()) - sum(before.values())) / (time.perf_counter() - begun_s)
-    if visible is None:
-        return Sustained(fps, None)
-    expected = sum(
-        film[number % len(film)]
-        for camera, film in zip(cameras, visible, strict=True)
-        for number in range(before[camera], done[camera])
-    )
-    return Sustained(fps, poses / expected)
+    return Sustained(fps, posed / expected if expected else None)
 
 
 def _camera(

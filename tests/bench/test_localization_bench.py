@@ -15,6 +15,7 @@ from tests.bench.sustained import SustainedError, sustained
 
 def test_figures_are_medians_over_blocks() -> None:
     quiet = Block(process_ms=[1.0] * 99 + [5.0], decode_ms=[2.0] * 100, visible=100, found=100, errors_m=[0.001] * 100)
+    few = Block(process_ms=[1.0] * 99, decode_ms=[2.0] * 99, visible=99, found=99)
     busy = Block(process_ms=[10.0] * 100, decode_ms=[20.0] * 100, visible=100, found=98, errors_m=[0.003] * 98)
     found = figures([quiet, busy, quiet])
     assert found["median_ms"] == 1.0
@@ -22,6 +23,7 @@ def test_figures_are_medians_over_blocks() -> None:
     assert found["p99_ms"] == pytest.approx(1.04)
     assert found["found_share"] == pytest.approx(298 / 300)
     assert found["position_error_median_mm"] == pytest.approx(1.0)
+    assert "p99_ms" not in figures([quiet, few])
 
 
 def test_no_vehicle_in_view_is_no_result() -> None:
@@ -57,12 +59,13 @@ def test_a_small_run_gives_every_figure_and_finds_every_tag() -> None:
     for name in ("follow", "gulliview2025"):
         assert found[f"fullhd_4_{name}_found_share"] == 1.0
         assert found[f"fullhd_4_{name}_position_error_median_mm"] < 5.0
-        assert 0 < found[f"fullhd_4_{name}_median_ms"] <= found[f"fullhd_4_{name}_p99_ms"]
-        assert found[f"fullhd_4_{name}_with_decode_median_ms"] > found[f"fullhd_4_{name}_median_ms"]
-    assert found["fullhd_4_gulliview2025_p99_ratio"] > 0
-    assert found["fullhd_cameras_sustained_fps"] > found["fullhd_cameras_sustained_jpeg_fps"] > 0
-    assert found["fullhd_cameras_sustained_pose_share"] > 0.95
-    assert found["fullhd_cameras_sustained_jpeg_pose_share"] > 0.95
+        assert f"fullhd_4_{name}_median_ms" in found
+        assert f"fullhd_4_{name}_p99_ms" not in found, "24 frames have no 99th percentile"
+    assert "fullhd_4_gulliview2025_median_ratio" in found
+    assert found["fullhd_cameras_sustained_fps"] > 0
+    assert found["fullhd_cameras_sustained_jpeg_fps"] > 0
+    assert found["fullhd_cameras_sustained_pose_share"] > 0.99
+    assert found["fullhd_cameras_sustained_jpeg_pose_share"] > 0.99
 
 
 def test_a_camera_process_that_ends_early_is_said(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:

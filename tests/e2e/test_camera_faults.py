@@ -26,8 +26,10 @@ from tests.e2e.system import RunningSystem, lab_on_free_ports, running_system, w
 from tests.localization.mjpeg_camera import MjpegCamera, jpeg
 
 RATE_HZ = 10
-LONGEST_GAP_S = 1.0
-"""Between two frames of a camera that is well, on a machine that runs a dozen processes on two cores."""
+LONGEST_GAP_S = 2.0
+"""Between two frames of a camera that is well, on a machine that runs a dozen processes on two cores: what a camera that waits
+for another one's faults, which last five seconds and more, would exceed."""
+LATENCY_MARGIN_MS = 150.0
 CLOCK = r"\d\d:\d\d:\d\d"
 
 
@@ -109,7 +111,7 @@ def unnoticed(ear: Ear, others: list[str], expected: dict[str, set[int]]) -> Gen
     yield
     for name in others:
         assert ear.gap_s(name, start_s) < LONGEST_GAP_S, name
-        assert ear.latency_ms(name, start_s) < before[name] + 50.0, name
+        assert ear.latency_ms(name, start_s) < before[name] + LATENCY_MARGIN_MS, name
         seen = ear.tags(name, start_s)
         assert seen, name
         assert sum(expected[name] <= tags for tags in seen) >= 0.97 * len(seen), name

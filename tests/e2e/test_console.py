@@ -219,7 +219,12 @@ def test_the_emergency_stop_halts_all_at_once_and_outlives_the_server(system: Ru
 
 def test_the_stick_drives_the_robot_and_hands_it_back(system: RunningSystem, operator: Console) -> None:
     bring_to_start(system)
-    system.api.put(f"/robots/{ROBOT}/assignment", json={"route": "rounds"}).raise_for_status()
+    for number, (x, y) in enumerate([(2.4, 1.0), (1.0, 1.0)]):
+        body = {"id": f"stick-{number}", "area": "camp", "x": x, "y": y}
+        system.api.put(f"/waypoints/stick-{number}", json=body).raise_for_status()
+    legs = [{"waypoint": f"stick-{number}", "speed_mps": 0.3} for number in range(2)]
+    system.api.put("/routes/stick", json={"id": "stick", "legs": legs}).raise_for_status()
+    system.api.put(f"/robots/{ROBOT}/assignment", json={"route": "stick"}).raise_for_status()
     wait_for("it drives its route", lambda: abs(system.truth(ROBOT).linear_mps) > 0.1, 20)
     operator.open("floor")
     operator.select(ROBOT)

@@ -57,6 +57,20 @@ def test_a_restart_in_the_dark_keeps_what_was_learned(kept: Path) -> None:
     assert scene.run(0.3).look(PALLET_BOX).blocked
 
 
+def test_floor_that_saturates_is_kept_like_any_other(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    before = Scene(FloorObserver(LAB, "cam0", tmp_path))
+    before.gain = 4.0  # much of the floor is white, and learned so
+    before.run(1.2)
+    before.gain = 3.0  # the same white at less light: beyond the range of a picture when brought to the background's
+    before.run(4.0)
+    before.observer.save()
+    after = Scene(FloorObserver(LAB, "cam0", tmp_path))
+    after.gain = 3.0
+    after.world.put(pallet(1.0, 3.0))
+    assert next(after.rasters(0.2)).observed.mean() > 0.5, "what was learned counts from the first frame on"
+    assert "does not fit" not in caplog.text
+
+
 def test_it_is_kept_by_itself_while_running(tmp_path: Path) -> None:
     scene = Scene(FloorObserver(LAB, "cam0", tmp_path))
     for _ in scene.rasters(11.0):
@@ -138,10 +152,12 @@ def test_a_disk_that_takes_nothing_costs_a_warning(tmp_path: Path, caplog: pytes
     assert scene.run(0.2).observed.any()
 
 
-def test_nothing_is_kept_without_a_folder() -> None:
+def test_nothing_is_kept_without_a_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
     scene = Scene(FloorObserver(LAB, "cam0"))
     scene.run(1.2)
     scene.observer.save()
+    assert list(tmp_path.iterdir()) == []
 
 
 def levels(tile: FloorTile, x: float, y: float, half_m: float = 0.03) -> NDArray[np.uint8]:

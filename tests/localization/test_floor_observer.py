@@ -118,7 +118,7 @@ def test_a_robot_learned_with_the_floor_leaves_no_ghost(scene: Scene) -> None:
     scene.with_poses = True
     scene.run(0.3)
     scene.drives = {"wifibot-14": (0.5, -0.9)}
-    grid = scene.run(2.5)
+    grid = scene.run(3.5)
     robot = scene.world.truth().vehicles["wifibot-14"]
     assert SE2(robot.x, robot.y, 0.0).distance_to(SE2(1.0, 2.8, 0.0)) > 0.6
     assert not grid.occupied.any()

@@ -2,8 +2,10 @@
 
 import logging
 import os
+import resource
 import threading
-from collections.abc import Sequence
+from collections.abc import Generator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 import msgspec
@@ -131,6 +133,36 @@ def test_a_disk_that_refuses_is_told_once_and_used_again(tmp_path: Path, caplog:
     log.add(3, {"track": 1.0})
     log.write()
     assert read_run(folder).processes[0].stamps_ns.tolist() == [3]
+
+
+@contextmanager
+def files_no_longer_than(size: int) -> Generator[None]:
+    """The operating system's own limit on a file's length, which a disk that fills up looks like to a writer."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+def test_a_full_disk_costs_what_it_cannot_take_and_nothing_older(tmp_path: Path) -> None:
+    log = writer(tmp_path)
+    log.write(timings(1, 1))
+    (kept,) = tmp_path.iterdir()
+    with files_no_longer_than(kept.stat().st_size + 10):
+        for stamp in range(2, 200):
+            with pytest.raises(OSError, match="too large"):
+                log.write(timings(stamp, 1))
+    assert list(tmp_path.iterdir()) == [kept]
+    log.write(timings(200, 1))
+    assert read_run(tmp_path).processes[0].stamps_ns.tolist() == [1, 200]
+    with files_no_longer_than(100):  # not even a header
+        again = writer(tmp_path)
+        for stamp in range(201, 400):
+            with pytest.raises(OSError, match="too large"):
+                again.write(timings(stamp, 1))
+    assert list(tmp_path.iterdir()) == [kept], "no empty file is left, and none was pushed out by one"
 
 
 def test_a_process_keeps_its_timings_under_its_run(tmp_path: Path) -> None:

@@ -7,10 +7,12 @@ import httpx
 import pytest
 import redis.asyncio
 
+from launcher.paths import DEFAULT_LAB
 from protocol import keys
 from protocol.channels import CALIBRATION_RUNS, LAB_INSTANCE
 from protocol.clock import SimulatedClock
 from protocol.codec import encode
+from protocol.lab import camera_basis, floor_basis, load_lab
 from protocol.messages import (
     CalibratedCamera,
     CalibratedFloorTag,
@@ -19,7 +21,7 @@ from protocol.messages import (
     CalibrationRun,
     RunState,
 )
-from protocol.messages.calibration import CURRENT
+from protocol.messages.calibration import CURRENT, PREVIOUS
 from tests.server.service import Service, in_process
 
 CAMERAS = ["cam0", "cam1", "cam2", "cam3"]
@@ -47,13 +49,22 @@ async def client(redis_url: str) -> AsyncGenerator[redis.asyncio.Redis]:
         yield made
 
 
-def calibration(number: int, x: float = 0.0) -> Calibration:
+LAB = load_lab(DEFAULT_LAB)
+
+
+def calibration(number: int, x: float = 0.0, *, floor: str | None = None, lens: str | None = None) -> Calibration:
+    """Of the lab that the service has, unless `floor` or `lens` are another one's digests."""
     camera = CalibratedCamera(
-        rotvec=(3.1, 0.0, 0.0), translation=(x, 0.0, 2.9), reprojection_px=0.2, floor_tags=(0, 1), basis="b"
+        rotvec=(3.1, 0.0, 0.0),
+        translation=(x, 0.0, 2.9),
+        reprojection_px=0.2,
+        floor_tags=(0, 1),
+        basis=lens or camera_basis(LAB.camera("cam0")),
     )
     tags = {0: CalibratedFloorTag(x=0.0, y=0.0, yaw=0.0, shift_m=0.001)}
+    basis = floor or floor_basis(LAB.floor_tags)
     return Calibration(
-        id=number, stamp_ns=1, by="calibrator", floor_basis="f", cameras={"cam0": camera}, floor_tags=tags
+        id=number, stamp_ns=1, by="calibrator", floor_basis=basis, cameras={"cam0": camera}, floor_tags=tags
     )
 
 
@@ -61,10 +72,10 @@ async def put(client: redis.asyncio.Redis, key: str, field: str, data: bytes) ->
     await client.hset(key, field, data)  # pyright: ignore[reportArgumentType]  # bytes are fine
 
 
-async def propose(client: redis.asyncio.Redis, operator: httpx.AsyncClient, x: float = 0.5) -> int:
+async def propose(client: redis.asyncio.Redis, operator: httpx.AsyncClient, floor: str | None = None) -> int:
     """As the calibrator answers to a start."""
     run = CalibrationRun.model_validate_json((await operator.post("/api/calibration", json={})).content)
-    proposal = CalibrationProposal(calibration=calibration(run.id, x), cameras={}, floor_tags={}, not_answered=())
+    proposal = CalibrationProposal(calibration=calibration(run.id, 0.5, floor=floor), cameras={}, floor_tags={}, not_answered=())
     await put(client, keys.CALIBRATION_PROPOSALS, LAB_INSTANCE, encode(proposal))
     proposed = run.model_copy(update={"state": RunState.PROPOSED})
     await put(client, keys.live(CALIBRATION_RUNS.name), LAB_INSTANCE, encode(proposed))
@@ -178,6 +189,34 @@ async def test_there_is_nothing_to_restore_at_first(operator: httpx.AsyncClient)
     answer = await operator.post("/api/calibration/restore")
     assert answer.status_code == 409
     assert answer.json()["detail"] == "there is no previous calibration to restore"
+
+
+@pytest.mark.parametrize(
+    ("changed", "says"),
+    [({"floor": "f"}, "rests on other floor tags"), ({"lens": "b"}, "rests on another description of cam0")],
+)
+async def test_what_rests_on_another_lab_description_pushes_out_nothing(
+    operator: httpx.AsyncClient, client: redis.asyncio.Redis, changed: dict[str, str], says: str
+) -> None:
+    await put(client, keys.CALIBRATIONS, CURRENT, encode(calibration(2)))
+    await put(client, keys.CALIBRATIONS, PREVIOUS, encode(calibration(1, **changed)))
+    restored = await operator.post("/api/calibration/restore")
+    assert restored.status_code == 409
+    assert says in restored.json()["detail"]
+    assert (await state(operator))["current"]["id"] == 2
+
+
+async def test_a_proposal_from_before_the_lab_file_changed_is_not_accepted(
+    operator: httpx.AsyncClient, client: redis.asyncio.Redis
+) -> None:
+    await put(client, keys.CALIBRATIONS, CURRENT, encode(calibration(1)))
+    proposed = await propose(client, operator, floor="f")
+    answer = await operator.post("/api/calibration/accept", json={"id": proposed})
+    assert answer.status_code == 409
+    assert "the proposed calibration rests on other floor tags" in answer.json()["detail"]
+    now = await state(operator)
+    assert now["current"]["id"] == 1
+    assert now["proposal"] is not None
 
 
 async def test_a_new_start_replaces_a_proposal_that_waits(

@@ -38,7 +38,8 @@ export function CollectStep({ view }: { readonly view: CalibrationView }) {
         })}
       </Group>
       <Text size="xs" c="dimmed" mt="sm">
-        Poses go on with the calibration in force. Cameras that have not answered after 15 seconds are left as they are.
+        Poses go on with the calibration in force. Of cameras that have not answered after 15 seconds, what they saw the
+        last time is used.
       </Text>
     </Paper>
   );

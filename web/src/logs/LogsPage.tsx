@@ -40,7 +40,7 @@ export function describeRun(run: TimingRunView): string {
 export default function LogsPage() {
   const runs = useRuns();
   const [asked, setAsked] = useState<readonly string[] | null>(null);
-  const [span, setSpan] = useState("all");
+  const [span, setSpan] = useState("600");
   const [view, setView] = useState("boxes");
   const [outliers, setOutliers] = useState(true);
 
@@ -48,7 +48,10 @@ export default function LogsPage() {
   // Unless somebody chose: the newest run, and the one before it to compare with, the older one first.
   const newest = known.slice(0, 2).map((run) => run.name);
   const chosen = asked ?? newest.reverse();
-  const timings = useTimings(chosen, span === "all" ? null : Number(span));
+  const timings = useTimings(
+    chosen.flatMap((name) => known.find((run) => run.name === name) ?? []),
+    span === "all" ? null : Number(span),
+  );
   const shown = timings.value;
   const comparisons = useMemo(() => compare(shown ?? []), [shown]);
   const labels = (shown ?? []).map(({ name, start_ns }) => {

@@ -1,5 +1,5 @@
 /** The runs and the timings of those chosen, fetched anew while the page is open and in sight. */
-import { useEffect, useState } from "react";
+import { useEffect, useRef, useState } from "react";
 import { ApiError, call } from "../api/client";
 import type { RunTimingsView, TimingRunView } from "../api/types";
 
@@ -25,7 +25,7 @@ function useRefreshed<T>(key: string, fetch: () => Promise<T>): Fetched<T> {
         } catch (error) {
           if (!ended) {
             const text = error instanceof ApiError ? error.message : String(error);
-            setState((known) => ({ key, value: known.key === key ? known.value : null, error: text }));
+            setState((known) => ({ key, value: known.value, error: text }));
           }
         }
       }
@@ -46,17 +46,31 @@ export function useRuns(): Fetched<readonly TimingRunView[]> {
   return useRefreshed("runs", () => call("get", "/api/timings"));
 }
 
-/** The timings of the named runs in this order; `lastS` null for the whole runs. Runs that are gone are left out. */
-export function useTimings(names: readonly string[], lastS: number | null): Fetched<readonly RunTimingsView[]> {
-  return useRefreshed(JSON.stringify([names, lastS]), async () => {
-    const asked = names.map((run) =>
-      call("get", "/api/timings/{run}", { path: { run }, query: lastS === null ? {} : { last_s: lastS } }).catch(
-        (error: unknown) => {
-          if (error instanceof ApiError && error.status === 404) return null;
-          throw error;
-        },
-      ),
+/**
+ * The timings of these runs in this order; `lastS` null for the whole runs. Runs that are gone are left out, and one that was
+ * not written to since is not fetched again: a whole run may be a hundred megabytes to the server.
+ */
+export function useTimings(
+  runs: readonly TimingRunView[],
+  lastS: number | null,
+): Fetched<readonly RunTimingsView[]> {
+  const kept = useRef(new Map<string, RunTimingsView>());
+  const wanted = runs.map((run) => ({ name: run.name, key: JSON.stringify([run.name, run.newest_ns, lastS]) }));
+  return useRefreshed(wanted.map(({ key }) => key).join(), async () => {
+    const fetched = await Promise.all(
+      wanted.map(async ({ name, key }) => [key, kept.current.get(key) ?? (await fetchTimings(name, lastS))] as const),
     );
-    return (await Promise.all(asked)).filter((run) => run !== null);
+    const found = fetched.filter((entry): entry is readonly [string, RunTimingsView] => entry[1] !== null);
+    kept.current = new Map(found);
+    return found.map(([, timings]) => timings);
   });
+}
+
+async function fetchTimings(run: string, lastS: number | null): Promise<RunTimingsView | null> {
+  try {
+    return await call("get", "/api/timings/{run}", { path: { run }, query: lastS === null ? {} : { last_s: lastS } });
+  } catch (error) {
+    if (error instanceof ApiError && error.status === 404) return null;
+    throw error;
+  }
 }
