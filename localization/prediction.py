@@ -1,6 +1,8 @@
 """Where a tracked vehicle is at another time than its pose says: constant speed and turn rate. How old
 a pose may be is its user's to say; `is_fresh` is the limit for looking for a tag."""
 
+import math
+
 from geometry import SE2
 from protocol.lab import Limits
 from protocol.messages import TrackedPose
@@ -13,9 +15,9 @@ _SIGMAS = 3.0
 def pose_at(pose: TrackedPose, stamp_ns: int) -> SE2:
     """The pose moved along its arc to `stamp_ns`: the velocity turns with the yaw rate, its middle direction counts."""
     dt = (stamp_ns - pose.stamp_ns) * 1e-9
-    turn = SE2(0.0, 0.0, pose.yaw_rate * dt / 2)
-    dx, dy = turn.apply((pose.vx * dt, pose.vy * dt))
-    return SE2(pose.x + float(dx), pose.y + float(dy), pose.yaw + pose.yaw_rate * dt)
+    c, s = math.cos(pose.yaw_rate * dt / 2), math.sin(pose.yaw_rate * dt / 2)
+    dx, dy = (c * pose.vx - s * pose.vy) * dt, (s * pose.vx + c * pose.vy) * dt
+    return SE2(pose.x + dx, pose.y + dy, pose.yaw + pose.yaw_rate * dt)
 
 
 def is_fresh(pose: TrackedPose, stamp_ns: int) -> bool:

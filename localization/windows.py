@@ -1,7 +1,7 @@
 """Where to look in the next frame: around the tracks, and around what this camera saw last (spec localization, "What the
 reports ask for next": one search per vehicle, its track projected into every camera that can see it)."""
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +19,8 @@ Array = NDArray[np.float64]
 
 _LEAST_MARGIN = 0.2
 """Every window is at least this share of the tag's side wider than the tag: corners turn and blur."""
+_OUTSIDE = 0.3
+"""Share of the picture's size by which a tag's centre may lie outside while a part of its window is inside."""
 _MEMORY_S = 2.0
 _MOMENT_S = 0.2
 """So long memory helps a track that does not know its speed yet."""
@@ -30,36 +32,69 @@ def guesses_from_tracks(
     view: CameraView, known: KnownTags, predicted: Mapping[str, TrackedPose], stamp_ns: int
 ) -> list[TagGuess]:
     """A guess for every vehicle tag that should be wholly in the picture at `stamp_ns`; stale poses are left out."""
-    wearers = [
-        (key, vehicle, predicted[vehicle.id])
-        for key, vehicle in known.vehicles.items()
-        if vehicle.id in predicted and is_fresh(predicted[vehicle.id], stamp_ns)
-    ]
+    wearers = _near_the_picture(view, known, predicted, stamp_ns)
     if not wearers:
         return []
-    corners = np.concatenate([_corners_in_map(vehicle, pose_at(pose, stamp_ns)) for _, vehicle, pose in wearers])
-    pixels, meant = view.project(corners)
-    guesses: list[TagGuess] = []
-    for index, (key, vehicle, pose) in enumerate(wearers):
-        of_tag = slice(4 * index, 4 * index + 4)
-        if not meant[of_tag].all():
-            continue
-        square = pixels[of_tag]
-        side_px = float(np.linalg.norm(square - np.roll(square, 1, axis=0), axis=1).mean())
-        doubt_px = uncertainty_m(pose, stamp_ns, vehicle.limits) * side_px / vehicle.tag.size_m
-        margin_px = _LEAST_MARGIN * side_px + doubt_px
-        low, high = square.min(axis=0), square.max(axis=0)
-        size = np.array([view.model.width, view.model.height])
-        if (low >= -margin_px).all() and (high <= size + margin_px).all():
-            x, y = square.mean(axis=0)
-            guesses.append(TagGuess(key, float(x), float(y), side_px, margin_px))
-    return guesses
+    pixels, meant = view.project(_corners_in_map(wearers))
+    squares, meant = pixels.reshape(-1, 4, 2), meant.reshape(-1, 4).all(axis=1)
+    edges = squares - squares[:, [3, 0, 1, 2]]
+    sides_px = np.sqrt(np.einsum("nij,nij->ni", edges, edges)).mean(axis=1)
+    margins_px = _LEAST_MARGIN * sides_px + sides_px * [wearer.doubt_sides for wearer in wearers]
+    size = np.array([view.model.width, view.model.height])
+    reaches = (squares.min(axis=1) >= -margins_px[:, None]) & (squares.max(axis=1) <= size + margins_px[:, None])
+    centres = squares.mean(axis=1)
+    return [
+        TagGuess(
+            wearers[index].key,
+            float(centres[index, 0]),
+            float(centres[index, 1]),
+            float(sides_px[index]),
+            float(margins_px[index]),
+        )
+        for index in np.flatnonzero(meant & reaches.all(axis=1))
+    ]
 
 
-def _corners_in_map(vehicle: VehicleSpec, pose: SE2) -> Array:
-    """The corners of a vehicle's tag, shape (4, 3), metres, map frame."""
-    T_map_tag = pose @ vehicle.tag.pose_on_vehicle()
-    return np.column_stack([T_map_tag.apply(tag_corners(vehicle.tag.size_m)), np.full(4, vehicle.tag.height_m)])
+@dataclass(frozen=True, slots=True)
+class _Wearer:
+    """A vehicle with its tag's pose, T_map_tag, and by how many of the tag's sides it may be elsewhere."""
+
+    key: TagKey
+    vehicle: VehicleSpec
+    tag: SE2
+    doubt_sides: float
+
+
+def _near_the_picture(
+    view: CameraView, known: KnownTags, predicted: Mapping[str, TrackedPose], stamp_ns: int
+) -> list[_Wearer]:
+    """The tracked vehicles whose tags' centres are in the picture or not far outside: most are before other cameras."""
+    wearers: list[_Wearer] = []
+    for key, vehicle in known.vehicles.items():
+        pose = predicted.get(vehicle.id)
+        if pose is not None and is_fresh(pose, stamp_ns):
+            tag = pose_at(pose, stamp_ns) @ vehicle.tag.pose_on_vehicle()
+            wearers.append(
+                _Wearer(key, vehicle, tag, uncertainty_m(pose, stamp_ns, vehicle.limits) / vehicle.tag.size_m)
+            )
+    if not wearers:
+        return []
+    pixels, meant = view.project(np.array([(w.tag.x, w.tag.y, w.vehicle.tag.height_m) for w in wearers]))
+    size = np.array([view.model.width, view.model.height])
+    near = meant & ((pixels > -_OUTSIDE * size) & (pixels < (1.0 + _OUTSIDE) * size)).all(axis=1)
+    return [wearer for wearer, is_near in zip(wearers, near, strict=True) if is_near]
+
+
+def _corners_in_map(wearers: Sequence[_Wearer]) -> Array:
+    """The corners of the vehicles' tags, shape (4 N, 3), metres, map frame."""
+    squares = np.stack([tag_corners(wearer.vehicle.tag.size_m) for wearer in wearers])
+    yaws = np.array([wearer.tag.yaw for wearer in wearers])
+    c, s = np.cos(yaws)[:, None], np.sin(yaws)[:, None]
+    corners = np.empty((len(wearers), 4, 3))
+    corners[:, :, 0] = c * squares[:, :, 0] - s * squares[:, :, 1] + [[wearer.tag.x] for wearer in wearers]
+    corners[:, :, 1] = s * squares[:, :, 0] + c * squares[:, :, 1] + [[wearer.tag.y] for wearer in wearers]
+    corners[:, :, 2] = [[wearer.vehicle.tag.height_m] for wearer in wearers]
+    return corners.reshape(-1, 3)
 
 
 @dataclass(frozen=True, slots=True)

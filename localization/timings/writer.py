@@ -78,7 +78,9 @@ class SegmentWriter:
         try:
             path.write_bytes(header)
         except OSError:
-            path.unlink(missing_ok=True)  # else a full disk, tried again and again, pushes out the past with empty files
+            path.unlink(
+                missing_ok=True
+            )  # else a full disk, tried again and again, pushes out the past with empty files
             raise
         self._path, self._size = path, len(header)
 

@@ -75,7 +75,9 @@ async def put(client: redis.asyncio.Redis, key: str, field: str, data: bytes) ->
 async def propose(client: redis.asyncio.Redis, operator: httpx.AsyncClient, floor: str | None = None) -> int:
     """As the calibrator answers to a start."""
     run = CalibrationRun.model_validate_json((await operator.post("/api/calibration", json={})).content)
-    proposal = CalibrationProposal(calibration=calibration(run.id, 0.5, floor=floor), cameras={}, floor_tags={}, not_answered=())
+    proposal = CalibrationProposal(
+        calibration=calibration(run.id, 0.5, floor=floor), cameras={}, floor_tags={}, not_answered=()
+    )
     await put(client, keys.CALIBRATION_PROPOSALS, LAB_INSTANCE, encode(proposal))
     proposed = run.model_copy(update={"state": RunState.PROPOSED})
     await put(client, keys.live(CALIBRATION_RUNS.name), LAB_INSTANCE, encode(proposed))
