@@ -17,8 +17,8 @@ from localization.camera_state import CameraStatistics
 from localization.floor import FloorObserver
 from localization.pipeline import CameraPipeline, PipelineOptions
 from localization.pose_feed import PoseFeed
-from localization.prediction import is_fresh
 from localization.preview import preview_jpeg
+from localization.robots_in_view import RobotsInView
 from localization.sources import Source, open_source
 from localization.timings import CAMERA_STAGES, TimingLog, camera_stages, open_timing_log
 from protocol import keys
@@ -61,7 +61,7 @@ class CameraService:
         self._names = {(v.tag.family, v.tag.id): v.id for v in lab.vehicles}
         self._poses = PoseFeed(bus, min(_MOST_POSE_READS_HZ, 2 * pipeline.spec.rate_hz))
         self._stored = pipeline.extrinsics
-        self._searched = False
+        self._robots = RobotsInView()
         self._due: dict[str, float] = {}
 
     def run(self) -> NoReturn:
@@ -79,7 +79,8 @@ class CameraService:
                 stages_ms = camera_stages(detections, frame.decode_ms, (sent_s - ready_s) * 1e3)
                 self._timings.add(detections.stamp_ns, stages_ms)
                 statistics.add(detections, sent_s)
-                self._searched |= detections.full_search
+                seen = {self._names[tag.key] for tag in self._pipeline.tags if tag.key in self._names}
+                self._robots.note(frame.stamp_ns, seen, full_search=detections.full_search)
                 self._look_at_floor(frame, poses)
                 if self._calibration.note():
                     self._due.pop("state", None)  # an alarm does not wait for its turn
@@ -103,8 +104,7 @@ class CameraService:
         extrinsics = self._pipeline.extrinsics
         if extrinsics is None:
             return
-        seen = {self._names[tag.key] for tag in self._pipeline.tags if tag.key in self._names}
-        known = self._searched and all(name in poses and is_fresh(poses[name], frame.stamp_ns) for name in seen)
+        known = self._robots.are_known(poses)
         raster = self._floor.observe(frame, extrinsics, poses, robots_are_known=known)
         if raster is not None:
             self._bus.publish(RASTERS, self._id, raster)
