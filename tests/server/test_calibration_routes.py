@@ -201,7 +201,12 @@ async def test_what_rests_on_another_lab_description_pushes_out_nothing(
     operator: httpx.AsyncClient, client: redis.asyncio.Redis, changed: dict[str, str], says: str
 ) -> None:
     await put(client, keys.CALIBRATIONS, CURRENT, encode(calibration(2)))
-    await put(client, keys.CALIBRATIONS, PREVIOUS, encode(calibration(1, **changed)))
+    await put(
+        client,
+        keys.CALIBRATIONS,
+        PREVIOUS,
+        encode(calibration(1, floor=changed.get("floor"), lens=changed.get("lens"))),
+    )
     restored = await operator.post("/api/calibration/restore")
     assert restored.status_code == 409
     assert says in restored.json()["detail"]
