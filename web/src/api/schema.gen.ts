@@ -773,7 +773,7 @@ export interface paths {
         };
         /**
          * A run's stage timings
-         * @description Box plots and time graphs, per stage and kind of process. With `last_s`, those of a run that goes on.
+         * @description Box plots and time graphs, per stage and kind of process. `last_s` counts back from the run's newest record.
          */
         get: operations["get_timings"];
         put?: never;

@@ -38,8 +38,8 @@ export function CompareStep({ proposal, note, onDecided }: CompareStepProps) {
       <Group justify="space-between" align="center">
         <Text size="sm" maw={720}>
           Nothing has changed yet. <b>Off</b> is how far floor tags appear from where the calibration puts them: small
-          is good, below 0.3 pixels as it should be. <b>Poses move</b> says by how much robots will seem to jump when you
-          accept.
+          is good, below 0.3 pixels as it should be. <b>Poses move</b> says by how much robots will seem to jump when
+          you accept.
         </Text>
         <Group gap="sm">
           <Guarded>

@@ -50,10 +50,7 @@ export function useRuns(): Fetched<readonly TimingRunView[]> {
  * The timings of these runs in this order; `lastS` null for the whole runs. Runs that are gone are left out, and one that was
  * not written to since is not fetched again: a whole run may be a hundred megabytes to the server.
  */
-export function useTimings(
-  runs: readonly TimingRunView[],
-  lastS: number | null,
-): Fetched<readonly RunTimingsView[]> {
+export function useTimings(runs: readonly TimingRunView[], lastS: number | null): Fetched<readonly RunTimingsView[]> {
   const kept = useRef(new Map<string, RunTimingsView>());
   const wanted = runs.map((run) => ({ name: run.name, key: JSON.stringify([run.name, run.newest_ns, lastS]) }));
   return useRefreshed(wanted.map(({ key }) => key).join(), async () => {
