@@ -9,8 +9,10 @@ from numpy.typing import NDArray
 
 from launcher.errors import UsageError
 from localization.offline.recording import VIDEO_SUFFIXES
+from localization.sources import PICTURE_SUFFIXES
 
-_PICTURES = frozenset({".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp", ".pgm"})
+_AS_RECORDED = cv2.IMREAD_GRAYSCALE | cv2.IMREAD_IGNORE_ORIENTATION
+"""A lens belongs to its sensor: turned by their EXIF data, pictures would have its centre elsewhere."""
 
 
 class BoardPictures:
@@ -70,18 +72,18 @@ def _camera_in(entry: Path) -> str | None:
 
 def _pictures_in(folder: Path) -> list[Path]:
     entries = _entries(folder)
-    files = [file for file in entries if file.suffix.lower() in _PICTURES]
+    files = [file for file in entries if file.suffix.lower() in PICTURE_SUFFIXES]
     if files:
         return files
     cameras = [name for entry in entries if (name := _camera_in(entry)) is not None]
     if cameras:
         raise UsageError(f"{folder} holds no pictures itself: choose one of {', '.join(cameras)} with --camera")
-    raise UsageError(f"{folder} holds no pictures ({', '.join(sorted(_PICTURES))})")
+    raise UsageError(f"{folder} holds no pictures ({', '.join(sorted(PICTURE_SUFFIXES))})")
 
 
 def _read(files: list[Path]) -> Iterator[NDArray[np.uint8] | None]:
     for file in files:
-        picture = cv2.imread(str(file), cv2.IMREAD_GRAYSCALE)
+        picture = cv2.imread(str(file), _AS_RECORDED)
         yield None if picture is None else picture.astype(np.uint8, copy=False)
 
 

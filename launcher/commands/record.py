@@ -52,11 +52,16 @@ def run(arguments: argparse.Namespace) -> int:
     if live and (arguments.rate_hz is not None or arguments.seed is not None):
         raise UsageError("--rate-hz and --seed are for rendered recordings; running cameras have rates of their own")
     folder = RecordingFolder(arguments.out, cameras, arguments.format, arguments.quality)
-    if arguments.without_simulation:
-        folder.write_lab_without_simulation(lab)
-    else:
-        folder.write_lab(path.read_text(encoding="utf-8"))
-    figures = _live(arguments, lab, cameras, folder) if live else _rendered(arguments, lab, cameras, folder)
+    try:
+        if arguments.without_simulation:
+            folder.write_lab_without_simulation(lab)
+        else:
+            folder.write_lab(path.read_text(encoding="utf-8"))
+        figures = _live(arguments, lab, cameras, folder) if live else _rendered(arguments, lab, cameras, folder)
+    except BaseException:
+        if not folder.frames.total():  # else the next attempt would find a folder that is not empty
+            folder.discard()
+        raise
     settings = {
         "recording": str(arguments.out),
         "lab": str(path),
@@ -114,7 +119,6 @@ def _live(arguments: argparse.Namespace, lab: Lab, cameras: list[str], folder: R
         if count.error is not None:
             progress(f"warning: {camera}: {count.error}")
     if not folder.frames.total():
-        folder.discard()
         raise LauncherError(
             "no camera gave a frame; is the system running (./lilliput up), are the cameras plugged in?"
         )

@@ -45,7 +45,7 @@ class RecordingFolder:
         try:
             file.write_bytes(data.tobytes())
         except OSError as error:
-            raise LauncherError(f"{file} cannot be written: {error.strerror}") from error
+            raise _refused(file, error) from error
         self.frames[camera] += 1
 
     def discard(self) -> None:
@@ -53,8 +53,12 @@ class RecordingFolder:
         shutil.rmtree(self.path)
 
     def write_lab(self, text: str) -> None:
-        """The lab file as it is."""
-        (self.path / LAB_FILE).write_text(text, encoding="utf-8")
+        """The lab file as it is. LauncherError when the disk does not take it."""
+        file = self.path / LAB_FILE
+        try:
+            file.write_text(text, encoding="utf-8")
+        except OSError as error:
+            raise _refused(file, error) from error
 
     def write_lab_without_simulation(self, lab: Lab) -> None:
         """What an estimator may know: everything but the section that only the simulated lab reads."""
@@ -62,8 +66,17 @@ class RecordingFolder:
         self.write_lab(yaml.safe_dump(content, sort_keys=False, width=120))
 
     def write_truth(self, rows: Sequence[tuple[int, str, float, float, float, float, float]]) -> None:
-        """Where vehicles truly were: ns, id, m, m, rad, m/s, rad/s."""
-        with (self.path / _TRUTH_FILE).open("w", encoding="utf-8", newline="\n") as file:
-            file.write(_TRUTH_HEADER)
-            for stamp_ns, vehicle, x, y, yaw, linear, angular in rows:
-                file.write(f"{stamp_ns},{vehicle},{x:.7f},{y:.7f},{yaw:.8f},{linear:.6f},{angular:.6f}\n")
+        """Where vehicles truly were: ns, id, m, m, rad, m/s, rad/s. LauncherError when the disk does not take it."""
+        lines = [
+            f"{stamp_ns},{vehicle},{x:.7f},{y:.7f},{yaw:.8f},{linear:.6f},{angular:.6f}\n"
+            for stamp_ns, vehicle, x, y, yaw, linear, angular in rows
+        ]
+        path = self.path / _TRUTH_FILE
+        try:
+            path.write_text("".join([_TRUTH_HEADER, *lines]), encoding="utf-8", newline="\n")
+        except OSError as error:
+            raise _refused(path, error) from error
+
+
+def _refused(path: Path, error: OSError) -> LauncherError:
+    return LauncherError(f"{path} cannot be written: {error.strerror}")

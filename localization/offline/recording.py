@@ -15,10 +15,10 @@ import numpy as np
 
 from localization.offline.errors import RecordingError
 from localization.offline.frames import PictureFolder, RecordedCamera, VideoFile, opened_video
+from localization.sources import PICTURE_SUFFIXES
 from protocol.lab import CameraSpec, Lab
 
 LAB_FILE = "lab.yaml"
-PICTURE_SUFFIXES = frozenset({".jpg", ".jpeg", ".png", ".bmp", ".tif", ".tiff", ".pgm", ".ppm", ".webp"})
 VIDEO_SUFFIXES = frozenset({".mp4", ".m4v", ".avi", ".mkv", ".mov", ".webm", ".mjpg", ".mjpeg", ".ogv", ".mpg", ".ts"})
 _STAMPS_SUFFIX = ".stamps"
 

@@ -3,23 +3,28 @@
 `report.json`, which names all files, comes last. By it an earlier run's files are known and replaced.
 """
 
+import errno
 import json
 import os
 import shutil
 from collections.abc import Collection, Mapping
 from pathlib import Path
+from types import TracebackType
 from typing import Any
 
 from localization.offline.errors import OutputFolderError
 
 REPORT_FILE = "report.json"
 _MADE_BY = "lilliput localize"
+_DISK_SAYS_NO = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS})
+"""What only writing fails with, and nothing but the results is written meanwhile."""
 
 
 class ResultsFolder:
     """A context manager: files are written into `draft`, `commit` moves them to `path`. Without it nothing changes.
 
-    `names` are the files that may come. OutputFolderError when one of them exists and is not an earlier result.
+    `names` are the files that may come. OutputFolderError when one of them exists and is not an earlier result, and when the
+    disk takes no more.
     """
 
     def __init__(self, path: Path, names: Collection[str]) -> None:
@@ -42,7 +47,12 @@ class ResultsFolder:
             raise OutputFolderError(f"{self._path} cannot be written to: {error.strerror}") from error
         return self
 
-    def __exit__(self, *_: object) -> None:
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        self._clean_up()
+        if isinstance(error, OSError) and error.errno in _DISK_SAYS_NO:
+            raise OutputFolderError(f"{self._path} cannot be written to: {error.strerror}") from error
+
+    def _clean_up(self) -> None:
         shutil.rmtree(self.draft, ignore_errors=True)
         if self._is_new and self._path.is_dir() and not any(self._path.iterdir()):
             self._path.rmdir()

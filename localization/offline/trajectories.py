@@ -3,6 +3,7 @@
 
 import math
 from collections.abc import Iterable
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TextIO
 
@@ -18,7 +19,8 @@ def trajectory_file(vehicle: str) -> str:
 
 
 class TrajectoryWriter:
-    """Writes into an existing folder; a context manager. Poses are written as they come."""
+    """Writes into an existing folder; a context manager. Poses are written as they come. OSError when the disk does not take
+    them (`ResultsFolder` says so in a sentence)."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
@@ -34,8 +36,9 @@ class TrajectoryWriter:
 
     def close(self) -> None:
         """Everything is in the files then; closing twice does nothing."""
-        for file in (self._table, *self._trajectories.values()):
-            file.close()
+        with ExitStack() as files:  # each of them, also when the disk refuses what one still had to write
+            for file in (self._table, *self._trajectories.values()):
+                files.callback(file.close)
 
     def write(self, poses: Iterable[TrackedPose]) -> None:
         for pose in poses:

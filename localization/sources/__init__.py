@@ -6,6 +6,7 @@
 from pathlib import Path
 
 from localization.sources.base import BrokenFrameError, Capture, CaptureError, Source, SourceError, SourceState
+from localization.sources.folder import PICTURE_SUFFIXES
 from localization.sources.live import LiveSource, Patience
 from localization.sources.registry import SOURCES, SourceKind, kind_of, recorded_capture
 from localization.sources.ring_buffer import FrameRing
@@ -13,6 +14,7 @@ from protocol.clock import Clock
 from protocol.lab import CameraSpec
 
 __all__ = [
+    "PICTURE_SUFFIXES",
     "SOURCES",
     "BrokenFrameError",
     "Capture",

@@ -1,7 +1,7 @@
 """A camera at this machine (V4L2): by number or `/dev/video...`.
 
 Asked for MJPEG, which is what USB cameras need to send Full HD at 60 Hz, and for raw buffers, so that a grey camera's pictures
-are decoded to grey at once; a camera that sends YUYV gives its luma plane. Frames bear the driver's capture time.
+are decoded to grey at once (`sources.raw_buffers`). Frames bear the driver's capture time.
 """
 
 from collections.abc import Callable
@@ -10,10 +10,9 @@ from typing import Any, Protocol
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from localization.sources.base import BrokenFrameError, CaptureError
-from localization.sources.jpeg import decode_jpeg
+from localization.sources.raw_buffers import FORMATS, format_name, image_of
 from protocol.clock import Clock
 from protocol.frames import Frame
 from protocol.lab import CameraSpec
@@ -38,7 +37,8 @@ def _open_v4l2(path: str) -> Video:
 
 
 class DeviceCapture:
-    """CaptureError, also from the constructor, when there is no such device or it stops."""
+    """CaptureError, also from the constructor, when there is no such device, it sends a format that is not understood, or it
+    stops."""
 
     def __init__(
         self, device: str | int, spec: CameraSpec, clock: Clock, open_video: Callable[[str], Video] = _open_v4l2
@@ -61,6 +61,11 @@ class DeviceCapture:
         )
         for name, value in wishes:  # what a driver refuses shows in the frames, which are checked
             self._video.set(name, value)
+        self._format = format_name(self._video.get(cv2.CAP_PROP_FOURCC))
+        if self._format not in FORMATS:
+            self._video.release()
+            named = f"pixel format {self._format}" if self._format else "a pixel format that its driver does not name"
+            raise CaptureError(f"{self._path} sends {named}; understood are {', '.join(FORMATS)}")
         self._number = 0
 
     def read(self) -> Frame:
@@ -72,7 +77,7 @@ class DeviceCapture:
         self._number += 1
         if not ok or raw is None:
             raise BrokenFrameError(f"{self._path} sent a frame that cannot be read")
-        pixels = self._pixels(np.asarray(raw))
+        pixels = image_of(np.asarray(raw), self._format, color=self._color)
         return Frame(self._number, stamp_ns, pixels, (self._clock.monotonic_s() - start_s) * 1e3)
 
     def close(self) -> None:
@@ -83,16 +88,6 @@ class DeviceCapture:
         now_ns, now_s = self._clock.now_ns(), self._clock.monotonic_s()
         age_s = now_s - self._video.get(cv2.CAP_PROP_POS_MSEC) * 1e-3
         return now_ns - round(age_s * 1e9) if 0.0 <= age_s < _OLDEST_S else now_ns
-
-    def _pixels(self, raw: NDArray[Any]) -> NDArray[np.uint8]:
-        """A raw buffer as an image: JPEG bytes lie in one row, YUYV has two channels; others are images already."""
-        if raw.dtype == np.uint8 and (raw.ndim == 1 or (raw.ndim == 2 and raw.shape[0] == 1)):
-            return decode_jpeg(raw.astype(np.uint8, copy=False), color=self._color)
-        if raw.ndim == 3 and raw.shape[2] == 2:
-            if self._color:
-                return cv2.cvtColor(raw, cv2.COLOR_YUV2BGR_YUYV).astype(np.uint8, copy=False)
-            return np.ascontiguousarray(raw[:, :, 0])
-        return raw.astype(np.uint8, copy=False)
 
 
 def _present() -> str:

@@ -8,7 +8,7 @@ import numpy as np
 from localization.sources.base import BrokenFrameError, CaptureError
 from protocol.frames import Frame
 
-_SUFFIXES = frozenset({".jpg", ".jpeg", ".png", ".bmp", ".tif", ".tiff", ".pgm", ".ppm", ".webp"})
+PICTURE_SUFFIXES = frozenset({".jpg", ".jpeg", ".png", ".bmp", ".tif", ".tiff", ".pgm", ".ppm", ".webp"})
 _AS_RECORDED = cv2.IMREAD_ANYCOLOR | cv2.IMREAD_IGNORE_ORIENTATION
 """Eight bits, grey or BGR; a camera's pictures lie as its sensor does."""
 
@@ -40,7 +40,7 @@ class FolderCapture:
 
 def _stamped(path: Path) -> list[tuple[int, Path]]:
     try:
-        files = [file for file in path.iterdir() if file.suffix.lower() in _SUFFIXES]
+        files = [file for file in path.iterdir() if file.suffix.lower() in PICTURE_SUFFIXES]
     except OSError as error:
         raise CaptureError(f"{path} cannot be read: {error.strerror}") from error
     stamped = [(int(file.stem), file) for file in files if file.stem.isascii() and file.stem.isdigit()]

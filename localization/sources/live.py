@@ -31,11 +31,12 @@ _MOST_ABANDONED = 3
 
 @dataclass(frozen=True, slots=True)
 class Patience:
-    """`stall_s`: silence that is reported; `abandon_s`: silence after which a hanging reader is given up;
-    `first_retry_s`, `last_retry_s`: pauses before opening again, doubling in between."""
+    """`stall_s`: silence that is reported; `abandon_s`: silence after which a hanging reader is given up, clearly longer than
+    any capture may take to open or to read (OpenCV waits 10 s for a V4L2 device); `first_retry_s`, `last_retry_s`: pauses
+    before opening again, doubling in between."""
 
     stall_s: float = 1.0
-    abandon_s: float = 10.0
+    abandon_s: float = 20.0
     first_retry_s: float = 0.1
     last_retry_s: float = 5.0
 
@@ -144,6 +145,10 @@ class LiveSource:
 
     def _read_one_capture(self) -> None:
         """Opens one and reads until this reader is no longer in charge; CaptureError when the capture is over."""
+        with self._lock:  # the pause before is no sign of a hanging device
+            if not self._in_charge():
+                return
+            self._last_sign_s = self._clock.monotonic_s()
         capture = self._open()
         try:
             while self._in_charge():

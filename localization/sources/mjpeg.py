@@ -5,7 +5,7 @@ not say when a picture came, and makes every colour first. Pictures carry the ca
 sends one, else the time at which their first byte came.
 """
 
-import math
+import logging
 from collections import deque
 from collections.abc import Iterator
 from contextlib import ExitStack
@@ -26,6 +26,9 @@ _CONNECT_S, _SILENCE_S = 5.0, 3.0
 _NO_PICTURE_S = 5.0
 """Bytes that make no picture for so long: the stream is begun anew."""
 _PATIENCE_S = 0.25
+_LATEST_S = 2.0**33
+"""Stamps beyond it (the year 2242) are none."""
+_logger = logging.getLogger(__name__)
 
 
 class NotMjpegError(CaptureError):
@@ -39,7 +42,7 @@ class NotMjpegError(CaptureError):
 class MjpegCapture:
     """One connection. CaptureError, also from the constructor, when the camera does not answer, refuses or falls silent.
 
-    User and password of the URL are sent as the camera asks for them (Basic or Digest)."""
+    User and password of the URL are sent when the camera asks for them and as it does, by Digest where it offers that."""
 
     def __init__(self, url: str, spec: CameraSpec, clock: Clock) -> None:
         self._name, self._color, self._clock = without_password(url), spec.color, clock
@@ -57,7 +60,8 @@ class MjpegCapture:
         self._parser = MultipartParser(boundary)
         self._chunks = response.iter_raw()
         self._parts: deque[tuple[Part, int]] = deque()
-        self._remote = RemoteClock()
+        self._remote: RemoteClock | None = RemoteClock()
+        self._newest_remote_ns = 0
         self._number = 0
         self._begun_ns: int | None = None
         self._last_picture_s = clock.monotonic_s()
@@ -92,15 +96,14 @@ class MjpegCapture:
         parts = urlsplit(url)
         user, password = unquote(parts.username or ""), unquote(parts.password or "")
         try:
-            response = self._send(
-                client, httpx.Request("GET", self._name), httpx.BasicAuth(user, password) if user else None
-            )
-            if (
-                response.status_code == 401
-                and "digest" in response.headers.get("www-authenticate", "").lower()
-                and user
-            ):
-                response = self._send(client, httpx.Request("GET", self._name), httpx.DigestAuth(user, password))
+            response = self._send(client, None)
+            wanted = response.headers.get("www-authenticate", "").lower() if response.status_code == 401 else ""
+            if user and "digest" in wanted:  # never Basic to a camera that need not be told the password
+                response.close()
+                response = self._send(client, httpx.DigestAuth(user, password))
+            elif user and "basic" in wanted:
+                response.close()
+                response = self._send(client, httpx.BasicAuth(user, password))
         except (httpx.HTTPError, httpx.InvalidURL, ValueError) as error:
             raise CaptureError(f"{self._name} cannot be opened: {error or type(error).__name__}") from error
         if response.status_code != 200:
@@ -109,8 +112,8 @@ class MjpegCapture:
             )
         return response
 
-    def _send(self, client: httpx.Client, request: httpx.Request, auth: httpx.Auth | None) -> httpx.Response:
-        response = client.send(request, stream=True, auth=auth)
+    def _send(self, client: httpx.Client, auth: httpx.Auth | None) -> httpx.Response:
+        response = client.send(httpx.Request("GET", self._name), stream=True, auth=auth)
         self._stack.callback(response.close)
         return response
 
@@ -135,10 +138,23 @@ class MjpegCapture:
             self._begun_ns = now_ns
 
     def _stamp_ns(self, part: Part, came_ns: int) -> int:
+        """The camera's stamp in our time; its arrival when it bears none, or once stamps have failed to tell pictures apart."""
         try:
             remote_s = float(part.headers.get("x-timestamp", ""))
         except ValueError:
             return came_ns
-        if not math.isfinite(remote_s) or remote_s <= 0:
+        if self._remote is None or not 0 < remote_s < _LATEST_S:
             return came_ns
-        return self._remote.local_ns(round(remote_s * 1e9), came_ns)
+        remote_ns = round(remote_s * 1e9)
+        if remote_ns <= self._newest_remote_ns:
+            # Whole seconds, or a clock that stands: two pictures of one time would count as one.
+            _logger.warning(
+                "%s stamps pictures that follow each other with %s and %s; they are stamped on arrival",
+                self._name,
+                self._newest_remote_ns / 1e9,
+                remote_s,
+            )
+            self._remote = None
+            return came_ns
+        self._newest_remote_ns = remote_ns
+        return self._remote.local_ns(remote_ns, came_ns)

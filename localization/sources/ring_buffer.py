@@ -3,7 +3,7 @@
 
 The report's ring holds pixels that the producer overwrites in place, and so needs slots enough for as long as the consumer
 looks at one (t_consumer / t_producer; it used 64). Here frames are handed over by reference: what has been taken is never
-written to again, so a few slots do, which also lets a recorder that falls behind for a moment take every frame.
+written to again, so a few slots do, which also lets a recorder that falls behind for a moment take every frame (`oldest`).
 """
 
 import threading

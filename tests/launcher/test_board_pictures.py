@@ -5,6 +5,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from PIL import ExifTags, Image
 
 from launcher.board_pictures import BoardPictures, of_camera
 from launcher.errors import UsageError
@@ -33,6 +34,17 @@ def test_a_folder_is_read_in_the_order_of_names_in_grey(tmp_path: Path) -> None:
     for _ in range(2):
         assert len(list(pictures)) == 3
         assert (pictures.taken, pictures.total, pictures.unreadable) == (4, 4, 1)
+
+
+@pytest.mark.parametrize("orientation", [1, 3, 6])
+def test_pictures_lie_as_the_sensor_does(tmp_path: Path, orientation: int) -> None:
+    pixels = np.zeros((48, 64), np.uint8)
+    pixels[:10, :20] = 200
+    exif = Image.Exif()
+    exif[ExifTags.Base.Orientation] = orientation
+    Image.fromarray(pixels).save(tmp_path / "1.jpg", exif=exif, quality=95)
+    (picture,) = BoardPictures(tmp_path)
+    assert np.abs(picture.astype(int) - pixels).max() < 40
 
 
 def test_a_video_is_read_in_the_order_of_time(tmp_path: Path) -> None:

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from launcher.cli import main
+from launcher.errors import LauncherError
 from launcher.paths import DEFAULT_LAB
 from launcher.recorder.folder import RecordingFolder
 from launcher.recorder.live import record_live
@@ -17,6 +18,7 @@ from protocol.clock import SystemClock
 from protocol.frames import FrameWriter
 from protocol.lab import load_lab, parse_lab
 from protocol.settings import frame_ring
+from tests.full_disk import files_no_longer_than
 
 LAB = """
 name: tiny
@@ -75,6 +77,43 @@ def test_running_cameras_are_recorded_with_their_own_capture_times(running: Path
         for stamp_ns in camera.stamps_ns:
             image = cv2.imread(str(folder.path / camera.spec.id / f"{stamp_ns}.png"), cv2.IMREAD_GRAYSCALE)
             assert image is not None and (image == stamp_ns % 200).all()
+
+
+def test_a_disk_that_is_full_ends_the_recording_at_once(running: Path, tmp_path: Path) -> None:
+    """Though the other camera, which is not plugged in, never writes and so never fails."""
+    lab = parse_lab(LAB.replace("id: b}", "id: b, source: /dev/video97}"))
+    folder = RecordingFolder(tmp_path / "recording", ["a", "b"], "png", 90)
+    with (
+        files_no_longer_than(10),
+        pytest.raises(LauncherError, match=r"recording/a/\d+\.png cannot be written: File too"),
+    ):
+        record_live(lab.cameras, running, folder, SystemClock(), seconds=3600.0)
+
+
+def test_an_interrupted_recording_keeps_what_it_has(running: Path, tmp_path: Path) -> None:
+    class Interrupted(SystemClock):
+        def wait(self, seconds: float) -> None:
+            super().wait(seconds)
+            if threading.current_thread() is threading.main_thread() and folder.frames["a"] >= 3:
+                raise KeyboardInterrupt
+
+    folder = RecordingFolder(tmp_path / "recording", ["a", "b"], "png", 90)
+    with pytest.raises(KeyboardInterrupt):
+        record_live(parse_lab(LAB).cameras, running, folder, Interrupted(), seconds=3600.0)
+    written = len(list((folder.path / "a").iterdir()))
+    assert written == folder.frames["a"] >= 3
+
+
+def test_a_recording_of_which_nothing_could_be_written_leaves_nothing(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out"
+    with files_no_longer_than(100):
+        assert main(["record", str(out), "--seconds", "0.1"]) == 1
+    message = capsys.readouterr().err
+    assert message.startswith(f"lilliput: {out}/lab.yaml cannot be written: File too large")
+    assert message.count("\n") == 1
+    assert not out.exists()
 
 
 def test_nothing_running_is_told_and_leaves_nothing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -1,9 +1,13 @@
 """A network camera on loopback, MJPEG over HTTP, that misbehaves on request."""
 
+import base64
+import hashlib
+import re
 import threading
-import time
+from collections.abc import Callable
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Literal
+from urllib.parse import unquote
 
 import cv2
 import numpy as np
@@ -12,6 +16,12 @@ from numpy.typing import NDArray
 Mood = Literal[
     "well", "absent", "hanging", "garbage", "truncated", "between", "breaking off", "silent", "no lengths", "html"
 ]
+
+_NONCE = "5ca1ab1e"
+
+
+def _md5(text: str) -> str:
+    return hashlib.md5(text.encode(), usedforsecurity=False).hexdigest()
 
 
 def jpeg(pixels: NDArray[np.uint8], quality: int = 90) -> bytes:
@@ -25,13 +35,24 @@ class MjpegCamera:
     """Sends `picture` at `rate_hz` while `mood` is `well`. Others: `absent` answers 503; `hanging` stops in the middle of a
     picture and keeps the connection; `silent` connects and sends nothing; `garbage` sends bytes in place of pictures;
     `between` bytes between them; `truncated` half pictures; `breaking off` ends the connection within a picture; `no lengths`
-    leaves Content-Length away; `html` answers with a page. `stamps`: adds X-Timestamp, off by so many seconds."""
+    leaves Content-Length away; `html` answers with a page. `stamp` makes an X-Timestamp for each picture.
 
-    def __init__(self, picture: bytes, rate_hz: float = 50.0, *, user: str | None = None) -> None:
-        self.picture, self.rate_hz, self.user = picture, rate_hz, user
+    With `user` (`name:password` as in a URL) it wants to know who asks, by one of `schemes`; `told` are the Authorization
+    headers that came."""
+
+    def __init__(
+        self,
+        picture: bytes,
+        rate_hz: float = 50.0,
+        *,
+        user: str | None = None,
+        schemes: tuple[Literal["Basic", "Digest"], ...] = ("Basic",),
+    ) -> None:
+        self.picture, self.rate_hz, self.user, self.schemes = picture, rate_hz, user, schemes
         self.mood: Mood = "well"
-        self.stamps_off_s: float | None = None
+        self.stamp: Callable[[], str] | None = None
         self.connections = 0
+        self.told: list[str | None] = []
         self._ended = threading.Event()
         camera = self
 
@@ -63,9 +84,14 @@ class MjpegCamera:
         if self.mood == "absent":
             request.send_error(503)
             return
-        if self.user is not None and request.headers.get("Authorization") is None:
+        self.told.append(request.headers.get("Authorization"))
+        if self.user is not None and not self._knows(self.told[-1], request.path):
             request.send_response(401)
-            request.send_header("WWW-Authenticate", 'Basic realm="camera"')
+            if "Basic" in self.schemes:
+                request.send_header("WWW-Authenticate", 'Basic realm="camera"')
+            if "Digest" in self.schemes:
+                request.send_header("WWW-Authenticate", f'Digest realm="camera", nonce="{_NONCE}", qop="auth"')
+            request.send_header("Content-Length", "0")
             request.end_headers()
             return
         kind = "text/html" if self.mood == "html" else "multipart/x-mixed-replace; boundary=frame"
@@ -80,6 +106,19 @@ class MjpegCamera:
         except OSError:
             pass  # the other end hung up
 
+    def _knows(self, authorization: str | None, path: str) -> bool:
+        """Whether the header proves knowledge of user and password (RFC 7617, RFC 7616 with MD5)."""
+        name, _, password = unquote(self.user or "").partition(":")
+        scheme, _, said = (authorization or "").partition(" ")
+        if scheme not in self.schemes:
+            return False
+        if scheme == "Basic":
+            return base64.b64decode(said).decode() == f"{name}:{password}"
+        given = dict(re.findall(r'(\w+)="?([^",]+)"?', said))
+        secret, asked = _md5(f"{name}:camera:{password}"), _md5(f"GET:{path}")
+        proof = _md5(f"{secret}:{_NONCE}:{given['nc']}:{given['cnonce']}:auth:{asked}")
+        return (given["username"], given["response"]) == (name, proof)
+
     def _send(self, request: BaseHTTPRequestHandler) -> bool:
         """One picture; False to end the connection."""
         data, mood = self.picture, self.mood
@@ -87,8 +126,8 @@ class MjpegCamera:
             return True
         length = b"" if mood == "no lengths" else b"Content-Length: %d\r\n" % len(data)
         stamp = b""
-        if self.stamps_off_s is not None:
-            stamp = b"X-Timestamp: %.6f\r\n" % (time.time() + self.stamps_off_s)
+        if self.stamp is not None:
+            stamp = b"X-Timestamp: %s\r\n" % self.stamp().encode()
         if mood == "garbage":
             data = np.random.default_rng(1).integers(0, 256, len(data), np.uint8).tobytes()
         elif mood == "truncated":

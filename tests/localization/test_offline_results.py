@@ -8,6 +8,7 @@ import pytest
 
 from localization.offline import OutputFolderError, ResultsFolder, TrajectoryWriter
 from protocol.messages import TrackedPose
+from tests.full_disk import files_no_longer_than
 
 STAMP_NS = 1_700_000_000_012_345_678
 
@@ -74,6 +75,25 @@ def test_a_run_that_fails_leaves_everything_as_it_was(tmp_path: Path) -> None:
     assert not new.exists()
     assert sorted(file.name for file in old.iterdir()) == ["poses.csv", "report.json"]
     assert (old / "poses.csv").read_text() == "poses.csv"
+
+
+@pytest.mark.parametrize("size", [100, 20_000])
+def test_a_full_disk_is_one_sentence_and_leaves_everything_as_it_was(tmp_path: Path, size: int) -> None:
+    """Whether the disk refuses a pose as it comes, or what is still to be written at the end."""
+    out = tmp_path / "out"
+    put(out, "poses.csv")
+    with (
+        files_no_longer_than(size),
+        pytest.raises(OutputFolderError, match="out cannot be written to: File too large"),
+        ResultsFolder(out, ["poses.csv"]) as folder,
+        TrajectoryWriter(folder.draft) as writer,
+    ):
+        for number in range(400):
+            writer.write([tracked(stamp_ns=number), tracked("robot-2", number)])
+        writer.close()
+        folder.commit({})
+    assert sorted(file.name for file in out.iterdir()) == ["poses.csv", "report.json"]
+    assert (out / "poses.csv").read_text() == "poses.csv"
 
 
 def test_a_report_cannot_name_files_outside(tmp_path: Path) -> None:

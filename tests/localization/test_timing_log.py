@@ -2,10 +2,8 @@
 
 import logging
 import os
-import resource
 import threading
-from collections.abc import Generator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from pathlib import Path
 
 import msgspec
@@ -16,6 +14,7 @@ from localization.timings.writer import Timing
 from protocol.clock import SimulatedClock
 from protocol.settings import Settings
 from protocol.timings import Header, list_runs, read_run, read_segment, timings_folder
+from tests.full_disk import files_no_longer_than
 
 HEADER = Header(
     run="r",
@@ -133,17 +132,6 @@ def test_a_disk_that_refuses_is_told_once_and_used_again(tmp_path: Path, caplog:
     log.add(3, {"track": 1.0})
     log.write()
     assert read_run(folder).processes[0].stamps_ns.tolist() == [3]
-
-
-@contextmanager
-def files_no_longer_than(size: int) -> Generator[None]:
-    """The operating system's own limit on a file's length, which a disk that fills up looks like to a writer."""
-    before = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
-    try:
-        yield
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
 
 def test_a_full_disk_costs_what_it_cannot_take_and_nothing_older(tmp_path: Path) -> None:
