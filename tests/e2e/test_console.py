@@ -271,3 +271,17 @@ def test_every_page_shows_what_it_is_for(system: RunningSystem, operator: Consol
     expect(frame.locator("canvas").first).to_be_visible(timeout=3 * SLOW_MS)
     expect(operator.part("scene")).to_have_attribute("data-state", "alive", timeout=3 * SLOW_MS)
     operator.screenshot("scene")
+
+
+def test_a_fault_is_tried_on_a_camera_and_taken_back(operator: Console) -> None:
+    operator.open("cameras")
+    card = operator.part("camera-cam3")
+    expect(card).to_have_attribute("data-ok", "true", timeout=SLOW_MS)
+    operator.part("try-fault-cam3").click()
+    operator.part("fault-unplug").click()
+    expect(card).to_have_attribute("data-ok", "false", timeout=SLOW_MS)
+    expect(card).to_contain_text("the simulated lab gives no frames", timeout=SLOW_MS)
+    operator.screenshot("fault")
+    operator.part("end-fault-cam3").click()
+    expect(card).to_have_attribute("data-ok", "true", timeout=SLOW_MS)
+    expect(operator.part("try-fault-cam3")).to_be_visible()
