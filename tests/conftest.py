@@ -13,13 +13,18 @@ pytest_plugins = ("tests.redis_fixture",)
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    items.sort(key=lambda item: _rank(item.path))
+    items.sort(key=lambda item: (_rank(item.path), _shares_the_system(item)))
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
     if os.environ.get("LILLIPUT_WEB_TESTS_FAILED"):
         terminalreporter.section("console (vitest)")
         terminalreporter.write_line("FAILED: the console's own tests failed, see the start of this run", red=True)
+
+
+def _shares_the_system(item: pytest.Item) -> bool:
+    """Tests of the shared running system come last: it runs to the end, and two systems at once are more than two cores bear."""
+    return isinstance(item, pytest.Function) and "system" in item.fixturenames
 
 
 def _rank(path: Path) -> float:

@@ -2,6 +2,7 @@
 unplugged and plugged in again, one is bumped by 2 cm. The others never notice, the console says which and since when, and
 all come back by themselves."""
 
+import math
 import re
 import threading
 import time
@@ -54,6 +55,16 @@ class Ear:
         self._ended.set()
         self._thread.join(5)
         self._bus.close()
+
+    def shifted_s(self, camera: str, since_s: float) -> float:
+        """When the first frame came that shows a standing vehicle at least a centimetre from where it was before that time."""
+        heard = list(self.heard[camera])
+        before = {d.tag_id: (d.x, d.y) for d in [m for at, m in heard if at <= since_s][-1].detections}
+        for at, message in heard:
+            moved = (math.dist((d.x, d.y), before[d.tag_id]) for d in message.detections if d.tag_id in before)
+            if at > since_s and any(way_m > 0.01 for way_m in moved):
+                return at
+        raise AssertionError(f"no frame of {camera} shows anything elsewhere")
 
     def gap_s(self, camera: str, since_s: float) -> float:
         """The longest silence of that camera since then."""
@@ -171,8 +182,9 @@ def test_each_camera_fails_in_its_own_way_and_the_rest_never_notices(
             with unnoticed(ear, ["cam0", "cam1", "cam2"], expected):
                 bumped_s = time.monotonic()
                 suffer(system, "cam3", kind="bump", shift_x_m=0.02)
-                says(system, "cam3", "the camera moved.*", 10)
-                assert time.monotonic() - bumped_s < 6.0, "within 2 s of the bump, which takes a second or two to draw"
+                says(system, "cam3", "the camera moved.*", 20)
+                said_s = time.monotonic()
+                assert said_s - ear.shifted_s("cam3", bumped_s) < 3.0, "2 s, and a second until the console says so"
                 wait_for("cam3 has found its new place", lambda: is_well(system, "cam3"), 30)
                 wait_for("where it hangs", lambda: moved_m(system) == pytest.approx(0.02, abs=0.004), 20)
             kinds = [event["kind"] for event in system.get("/events?count=50")]
