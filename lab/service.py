@@ -4,7 +4,10 @@ Redis told. Everything that blocks or computes for long runs in two worker threa
 import asyncio
 import contextlib
 import logging
+import os
 import secrets
+import sys
+import threading
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
 
@@ -25,6 +28,8 @@ _MOST_BEHIND_NS = 1_000_000_000
 _MOST_AHEAD_NS = 100_000_000
 """A clock that was set back by more than this takes the world's time along."""
 _REPORT_PERIOD_S = 10.0
+_RENDERING_NICENESS = 3
+"""Where processors are short, bases answer first: a frame that comes late is left out, a base that does cannot stop in time."""
 _logger = logging.getLogger(__name__)
 
 
@@ -52,7 +57,7 @@ class LabService:
             )
         except OSError as error:
             raise PortTakenError(f"cannot listen on UDP {host}:{port}: {error}; is another lab running?") from error
-        executor = ThreadPoolExecutor(_WORKERS, thread_name_prefix="render")
+        executor = ThreadPoolExecutor(_WORKERS, thread_name_prefix="render", initializer=_step_back)
         bus = Bus.connect(self._settings.redis_url, self._clock)
         state = SharedState(self.world, bus, self._clock)
         try:
@@ -113,3 +118,9 @@ class LabService:
         while True:
             await self._clock.sleep(_REPORT_PERIOD_S)
             self.base_link.report()
+
+
+def _step_back() -> None:
+    """Makes the calling thread nicer than the process. Linux alone schedules threads by themselves."""
+    if sys.platform == "linux":
+        os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), _RENDERING_NICENESS)

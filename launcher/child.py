@@ -26,7 +26,8 @@ _LAST_OUTPUT_S = 0.5
 
 @dataclass(frozen=True, slots=True)
 class ChildSpec:
-    """What to run. `echo`: warnings in its output also reach the terminal. `ends_last`: ended after the others."""
+    """What to run. `echo`: warnings in its output also reach the terminal. `ends_last`: ended after the others. `niceness`: how
+    far it steps back for others when processors are short."""
 
     name: str
     argv: tuple[str, ...]
@@ -35,6 +36,7 @@ class ChildSpec:
     restart: Restart = "always"
     echo: bool = True
     ends_last: bool = False
+    niceness: int = 0
 
 
 class Child:
@@ -98,7 +100,7 @@ class Child:
         output = asyncio.create_task(_read_output(read_end, reader))
         try:
             self._process = await asyncio.create_subprocess_exec(
-                *(sys.executable, "-I", "-S", str(GUARD), str(os.getpid()), *self.spec.argv),
+                *(sys.executable, "-I", "-S", str(GUARD), str(os.getpid()), str(self.spec.niceness), *self.spec.argv),
                 cwd=self.spec.folder,
                 env=dict(self.spec.environment),
                 stdin=asyncio.subprocess.DEVNULL,

@@ -76,4 +76,5 @@ def child_spec(process: ProcessInstance, settings: SystemSettings, token: str) -
         environment=child_environment(settings, token),
         folder=ROOT,
         restart=process.kind.restart,
+        niceness=process.kind.niceness,
     )

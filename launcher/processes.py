@@ -21,7 +21,8 @@ Restart = Literal["always", "never"]
 class ProcessKind:
     """A row of the table. `argv` is what follows the Python interpreter; `{id}` stands for the instance's id. `runs` says
     for people when a lab has it, `instances` gives the ids of a lab's instances, an id of "" meaning the only one.
-    `needs_token`: gets an API token. `starts_first`: the others connect to it, so they are started a little later."""
+    `needs_token`: gets an API token. `starts_first`: the others connect to it, so they are started a little later.
+    `niceness`: how far it steps back when processors are short: what stops robots goes first, pictures for people last."""
 
     name: str
     argv: tuple[str, ...]
@@ -30,6 +31,7 @@ class ProcessKind:
     restart: Restart = "always"
     needs_token: bool = False
     starts_first: bool = False
+    niceness: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,10 +70,12 @@ PROCESSES = (
     ProcessKind("lab", ("-m", "lab"), "when any camera or vehicle is simulated", _when_simulated, starts_first=True),
     ProcessKind(SERVER, ("-m", "server"), "always", _always, starts_first=True),
     ProcessKind("guidance", ("-m", "server.guidance"), "always", _always),
-    ProcessKind("scene", ("-m", "server.scene"), "always", _always),
-    ProcessKind("camera", ("-m", "localization.camera", "{id}"), "one per camera", _cameras),
+    ProcessKind("scene", ("-m", "server.scene"), "always", _always, niceness=10),
+    ProcessKind("camera", ("-m", "localization.camera", "{id}"), "one per camera", _cameras, niceness=3),
     ProcessKind("tracker", ("-m", "localization.tracker"), "always", _always),
-    ProcessKind("calibrator", ("-m", "localization.calibrator"), "when there is any camera", _with_cameras),
+    ProcessKind(
+        "calibrator", ("-m", "localization.calibrator"), "when there is any camera", _with_cameras, niceness=10
+    ),
     ProcessKind("mapper", ("-m", "mapping.mapper"), "always", _always),
     ProcessKind("agent", ("-m", "agents", "{id}"), "one per simulated vehicle", _simulated_vehicles, needs_token=True),
 )

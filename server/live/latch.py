@@ -1,8 +1,8 @@
 """The emergency stop as this server holds it: what Redis has, and beyond that a stop that Redis could not take (spec gpss,
 "Safety").
 
-Who presses it is never told to come back later: the robots' open streams hear it at once, and it is written as soon as
-Redis is back. Until then it lives in this process alone.
+The robots' open streams hear it before anything else is done, and who presses it is never told to come back later: without
+Redis it lives in this process alone, and is written as soon as Redis is back.
 """
 
 import asyncio
@@ -17,8 +17,6 @@ from server.errors import UnavailableError
 from server.live.feeds import CommandFeeds
 from server.repositories.emergency_stop import EmergencyStopRepository, newer_epoch
 
-_PATIENCE_S = 0.3
-"""How long Redis may take before robots are told without it."""
 _RETRY_S = 0.2
 _AWAY = (RedisError, OSError, BusUnavailableError, UnavailableError)
 _logger = logging.getLogger(__name__)
@@ -39,15 +37,12 @@ class EmergencyStopLatch:
     async def engage(self, reason: str, actor: str) -> EmergencyStop:
         """Engages it; when it is engaged already, the first reason stays. UnavailableError when Redis does not take it: the
         robots have been told then, and it will be written."""
-        writing = asyncio.ensure_future(self._repository.engage(reason, actor, above=self._feeds.epoch))
+        told = self._tell(reason, actor)
+        writing = asyncio.ensure_future(self._repository.engage(told))
         writing.add_done_callback(_log_failure)
-        await asyncio.wait({writing}, timeout=_PATIENCE_S)
-        if not writing.done():
-            self._tell(reason, actor)
         try:
-            return await writing
+            return await asyncio.shield(writing)  # whoever pressed may be gone already
         except _AWAY as error:
-            self._tell(reason, actor)
             self._unwritten.set()
             raise UnavailableError(
                 f"Redis is out of reach. The robots on the {len(self._feeds)} open streams of this server were told to "
@@ -83,13 +78,15 @@ class EmergencyStopLatch:
             await self._repository.restore(known)
         self._unwritten.clear()
 
-    def _tell(self, reason: str, actor: str) -> None:
-        known = self._feeds.emergency_stop
-        if known is not None and known.engaged:
-            return
+    def _tell(self, reason: str, actor: str) -> EmergencyStop:
+        """The stop as it is to be written; the streams have it, or know of an earlier one."""
         now_ns = self._clock.now_ns()
         epoch = newer_epoch(self._feeds.epoch, now_ns)
-        self._feeds.stop(EmergencyStop(engaged=True, epoch=epoch, stamp_ns=now_ns, by=actor, reason=reason))
+        stop = EmergencyStop(engaged=True, epoch=epoch, stamp_ns=now_ns, by=actor, reason=reason)
+        known = self._feeds.emergency_stop
+        if known is None or not known.engaged:
+            self._feeds.stop(stop)
+        return stop
 
 
 def _log_failure(writing: "asyncio.Future[EmergencyStop]") -> None:

@@ -34,9 +34,10 @@ class EmergencyStopRepository:
         """Released, with epoch 0, when it never was engaged."""
         return await read_emergency_stop(self._store)
 
-    async def engage(self, reason: str, actor: str, *, above: int = 0) -> EmergencyStop:
-        """Engages it; when it is engaged already, the first reason stays."""
-        return await self._set(EmergencyStop(engaged=True, by=actor, reason=reason), above)
+    async def engage(self, stop: EmergencyStop) -> EmergencyStop:
+        """Engages it as it was told to robots, with a greater epoch only if Redis knows of one as great; when it is engaged
+        already, the first reason stays."""
+        return await self._set(stop, above=stop.epoch - 1)
 
     async def release(self, actor: str, *, above: int = 0) -> EmergencyStop:
         return await self._set(EmergencyStop(engaged=False, by=actor), above)
@@ -65,10 +66,11 @@ class EmergencyStopRepository:
                 # Told again: a subscriber that missed the first word hears this one.
                 transaction.publish(EMERGENCY_STOP, LAB_INSTANCE, current)
                 return current
-            now_ns = self._clock.now_ns()
-            new = wanted.model_copy(
-                update={"epoch": newer_epoch(max(current.epoch, above), now_ns), "stamp_ns": now_ns}
-            )
+            new = wanted
+            if wanted.epoch <= max(current.epoch, above):
+                now_ns = self._clock.now_ns()
+                epoch = newer_epoch(max(current.epoch, above), now_ns)
+                new = wanted.model_copy(update={"epoch": epoch, "stamp_ns": now_ns})
             transaction.publish(EMERGENCY_STOP, LAB_INSTANCE, new)
             transaction.record(_event(new))
             return new

@@ -81,11 +81,10 @@ class Ear:
 
 def write_lab(folder: Path, address: str) -> Path:
     """The room of the reports at half the resolution; its first camera is a network camera."""
-    path = lab_on_free_ports(folder)
+    path = lab_on_free_ports(folder, half_size=True)
     lab = yaml.safe_load(path.read_text())
     for camera in lab["cameras"]:
-        camera.update(width=960, height=540, rate_hz=RATE_HZ)
-        camera["intrinsics"] = {**camera["intrinsics"], "fx": 572.5, "fy": 572.5, "cx": 479.75, "cy": 269.75}
+        camera["rate_hz"] = RATE_HZ
     lab["cameras"][0]["source"] = address
     path.write_text(yaml.safe_dump(lab))
     return path

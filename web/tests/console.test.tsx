@@ -43,10 +43,27 @@ afterEach(() => {
 });
 
 describe("the emergency stop", () => {
-  it("engages with one click", async () => {
+  it("engages when it is pressed, not when it is let go, and once", async () => {
+    show(<EmergencyStopButton />);
+    const button = screen.getByTestId("estop-engage");
+    const engaged = ["POST", "/api/estop", '{"reason":"red button in the console"}'];
+    await act(async () => {
+      fireEvent.pointerDown(button, { button: 0 });
+      await Promise.resolve();
+    });
+    expect(sent()).toEqual([engaged]);
+    await act(async () => {
+      fireEvent.pointerUp(button, { button: 0 });
+      fireEvent.click(button, { detail: 1 });
+      await Promise.resolve();
+    });
+    expect(sent()).toEqual([engaged]);
+  });
+
+  it("engages with the keyboard", async () => {
     show(<EmergencyStopButton />);
     await act(async () => {
-      fireEvent.click(screen.getByTestId("estop-engage"));
+      fireEvent.click(screen.getByTestId("estop-engage"), { detail: 0 });
       await Promise.resolve();
     });
     expect(sent()).toEqual([["POST", "/api/estop", '{"reason":"red button in the console"}']]);

@@ -1,4 +1,4 @@
-/** The red button: always visible, one click stops every robot. */
+/** The red button: always visible, one press stops every robot, before the finger is lifted again. */
 import { Button, Tooltip } from "@mantine/core";
 import { IconHandStop } from "@tabler/icons-react";
 import { useState } from "react";
@@ -33,7 +33,13 @@ export function EmergencyStopButton() {
         disabled={!may}
         loading={busy}
         leftSection={<IconHandStop size={20} stroke={2.2} />}
-        onClick={() => void stop()}
+        onPointerDown={(event) => {
+          if (event.button === 0) void stop();
+        }}
+        onClick={(event) => {
+          // The keyboard's click alone: a pointer has pressed already.
+          if (event.detail === 0) void stop();
+        }}
       >
         <span className={classes["wide"]}>{engaged ? "STOPPED" : "EMERGENCY STOP"}</span>
         <span className={classes["narrow"]}>STOP</span>
