@@ -17,6 +17,8 @@ from server.scene.world import FloorPicture, World
 _logger = logging.getLogger(__name__)
 HOST = "127.0.0.1"
 _RATE_HZ = 15.0
+_UNWATCHED_HZ = 2.0
+"""While nobody looks: so old is what who connects sees first."""
 _OBSTACLES_EVERY_S = 0.2
 _SLOW_EVERY_S = 0.5
 _PICTURE_EVERY_S = 1.0
@@ -95,7 +97,8 @@ class Scene:
         next_s = self._clock.monotonic_s()
         while True:
             self.update()
-            next_s = max(next_s + 1 / _RATE_HZ, self._clock.monotonic_s())
+            rate_hz = _RATE_HZ if self._server.get_clients() else _UNWATCHED_HZ
+            next_s = max(next_s + 1 / rate_hz, self._clock.monotonic_s())
             await self._clock.sleep(next_s - self._clock.monotonic_s())
 
     async def run_picture(self) -> None:

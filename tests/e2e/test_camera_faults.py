@@ -27,6 +27,7 @@ from tests.e2e.system import RunningSystem, lab_on_free_ports, running_system, w
 from tests.localization.mjpeg_camera import MjpegCamera, jpeg
 
 RATE_HZ = 10
+"""Of the light lab's cameras."""
 LONGEST_GAP_S = 2.0
 """Between two frames of a camera that is well, on a machine that runs a dozen processes on two cores: what a camera that waits
 for another one's faults, which last five seconds and more, would exceed."""
@@ -81,10 +82,8 @@ class Ear:
 
 def write_lab(folder: Path, address: str) -> Path:
     """The room of the reports at half the resolution; its first camera is a network camera."""
-    path = lab_on_free_ports(folder, half_size=True)
+    path = lab_on_free_ports(folder, light=True)
     lab = yaml.safe_load(path.read_text())
-    for camera in lab["cameras"]:
-        camera["rate_hz"] = RATE_HZ
     lab["cameras"][0]["source"] = address
     path.write_text(yaml.safe_dump(lab))
     return path
