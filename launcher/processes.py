@@ -82,7 +82,7 @@ PROCESSES = (
     ProcessKind("calibrator", ("-m", "localization.calibrator"), "when there is any camera", _with_cameras),
     ProcessKind("mapper", ("-m", "mapping.mapper"), "always", _always),
     ProcessKind("gpss", ("-m", "server.gpss"), f"when any vehicle's driver is {GPSS_DRIVER}", _with_gpss_robots),
-    ProcessKind("ros2", ("-m", "server.ros2"), "when outputs.ros2 is enabled", _with_ros2_output),
+    ProcessKind("ros2", ("-m", "localization.ros2_bridge"), "when outputs.ros2 is enabled", _with_ros2_output),
     ProcessKind("agent", ("-m", "agents", "{id}"), "one per simulated vehicle", _simulated_vehicles, needs_token=True),
 )
 

@@ -245,7 +245,7 @@ async def test_commands_and_poses_reach_the_robot_and_run_out(redis_url: str) ->
             async def both_heard() -> bool:
                 item = await ear.get_message(ignore_subscribe_messages=True, timeout=0.5)
                 if item is not None:
-                    heard.add(item["channel"])
+                    heard.add(cast("bytes", item["channel"]))
                 return len(heard) == 2
 
             await until(both_heard)
