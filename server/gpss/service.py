@@ -24,12 +24,15 @@ from server.gpss.access import RedisAccess
 from server.gpss.orders import RobotOrders
 from server.gpss.reports import RobotReports
 from server.live.feeds import CommandFeeds
+from server.repositories.documents import Store
+from server.repositories.emergency_stop import read_emergency_stop
 from server.status_intake import StatusIntake
 
 _WRITE_EVERY_S = 0.1
 """When nothing is new: `Waiting` has to be repeated."""
 _LOOK_EVERY_S = 0.05
 _ACCESS_EVERY_S = 1.0
+_LATCH_EVERY_S = 0.5
 _RETRY_S = 0.1
 _POSE_LIFETIME_MS = round(POSES.stale_after_s * 1e3)
 _ANSWERS = 256
@@ -44,7 +47,7 @@ class GpssService:
         robots = [vehicle.id for vehicle in lab.vehicles if vehicle.driver == GPSS_DRIVER]
         self.intake = StatusIntake(bus, lab, clock, source="gpss", what="gpss")
         self._bus, self._clock = bus, clock
-        self._latch = CommandFeeds()
+        self._store, self._latch = Store(bus.redis), CommandFeeds()
         self._orders = {robot: RobotOrders(robot, clock.now_ns()) for robot in robots}
         self._reports = {robot: RobotReports(robot, self._orders[robot], self.intake, clock) for robot in robots}
         self._poses: dict[str, TrackedPose] = {}
@@ -55,17 +58,22 @@ class GpssService:
 
     def parts(self) -> tuple[Any, ...]:
         """What has to run beside each other."""
-        return self.follow(), self.write(), self.look(), self.listen(), self.keep_access(), self.intake.run()
+        return (
+            self.follow(),
+            self.keep_latch(),
+            self.write(),
+            self.look(),
+            self.listen(),
+            self.keep_access(),
+            self.intake.run(),
+        )
 
     async def follow(self) -> None:
         """Takes in what the rest of the system says."""
         async for received in self._bus.subscribe(COMMANDS, EMERGENCY_STOP, POSES):
             message = received.message
             if isinstance(message, EmergencyStop):
-                if self._latch.stop(message):
-                    for orders in self._orders.values():
-                        orders.hurry()
-                    self._news.set()
+                self._stop(message)
             elif isinstance(message, Command):
                 orders = self._orders.get(message.robot)
                 if orders is not None and orders.offer(message, self._clock.now_ns()):
@@ -73,6 +81,22 @@ class GpssService:
             elif isinstance(message, TrackedPose) and message.vehicle in self._orders:
                 self._poses[message.vehicle] = message
                 self._news.set()
+
+    async def keep_latch(self) -> None:
+        """Reads the latch itself now and then: where it never was engaged nobody says anything of it, and what cannot be read
+        counts as engaged."""
+        while True:
+            try:
+                self._stop(await read_emergency_stop(self._store))
+            except (RedisError, OSError) as error:
+                _logger.debug("cannot read the emergency stop: %s", error)
+            await self._clock.sleep(_LATCH_EVERY_S)
+
+    def _stop(self, latch: EmergencyStop) -> None:
+        if self._latch.stop(latch):
+            for orders in self._orders.values():
+                orders.hurry()
+            self._news.set()
 
     async def write(self) -> None:
         """Writes the robots' documents as soon as there is something new, all in one round trip."""

@@ -74,8 +74,9 @@ class RosBase:
             await asyncio.sleep(PERIOD_S)
             now_s = self._clock.monotonic_s()
             for command in self._commands.take(N=10):
-                self.plant.setpoint = Twist(command.linear.x, command.angular.z)
-                self._heard_s = now_s
+                if isinstance(command, Velocity):  # else a writer has gone
+                    self.plant.setpoint = Twist(command.linear.x, command.angular.z)
+                    self._heard_s = now_s
             if now_s - self._heard_s > WATCHDOG_S:
                 self.plant.setpoint = STOP
             self.plant.step(now_s - last_s)

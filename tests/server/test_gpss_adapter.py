@@ -189,7 +189,7 @@ def status_document(**changes: Any) -> dict[str, Any]:
 
 @asynccontextmanager
 async def adapted(redis_url: str) -> AsyncGenerator[tuple[GpssService, Robot]]:
-    """The adapter with one GPSS robot, and a released latch."""
+    """The adapter with one GPSS robot, in a system whose emergency stop was never engaged."""
     lab = gulliver()
     vehicles = tuple(
         vehicle.model_copy(update={"driver": "gpss-redis"}) if vehicle.id == ROBOT else vehicle
@@ -197,7 +197,6 @@ async def adapted(redis_url: str) -> AsyncGenerator[tuple[GpssService, Robot]]:
     )
     bus = Bus.connect(redis_url, CLOCK)
     service = GpssService(lab.model_copy(update={"vehicles": vehicles}), bus, CLOCK)
-    await bus.publish(EMERGENCY_STOP, LAB_INSTANCE, EmergencyStop(engaged=False))
     tasks = [asyncio.ensure_future(part) for part in service.parts()]
     try:
         yield service, Robot(bus)
@@ -408,19 +407,25 @@ async def test_an_answer_names_the_command_and_is_empty_until_the_target_is_reac
 
 async def test_it_goes_on_after_redis_was_away(redis_server: RedisServer) -> None:
     async with adapted(redis_server.url) as (_, robot):
-        await order(robot.bus, 1)
-        await commanded(robot, "MoveTo")
+
+        async def driving() -> bool:
+            await order(robot.bus, CLOCK.now_ns() // 1000)
+            document = await robot.command()
+            return document is not None and document["command"] == "MoveTo"
+
+        await until(driving)
         redis_server.kill()
         await asyncio.sleep(0.3)
         redis_server.start()
-        count = 1
 
         async def told() -> bool:
-            nonlocal count
-            count += 1
-            await order(robot.bus, count)
             await robot.status()
-            document = await robot.command()
-            return document is not None and document["command"] == "MoveTo" and await kept(robot) is not None
+            return await driving() and await kept(robot) is not None
 
         await until(told)
+
+
+async def test_a_latch_that_cannot_be_read_counts_as_engaged(redis_url: str) -> None:
+    async with adapted(redis_url) as (_, robot):
+        await robot.client.hset("lilliput:live:emergency_stop", LAB_INSTANCE, b"{broken")  # pyright: ignore[reportGeneralTypeIssues]
+        await commanded(robot, "Waiting")
