@@ -12,8 +12,8 @@ from pydantic import ConfigDict, Field
 
 from protocol.messages.base import Finite, Identifier, Message
 
-_Shift = Annotated[float, Field(ge=-0.5, le=0.5)]
-_Tilt = Annotated[float, Field(ge=-0.1, le=0.1)]
+_Shift = Annotated[float, Field(strict=True, ge=-0.5, le=0.5)]
+_Tilt = Annotated[float, Field(strict=True, ge=-0.1, le=0.1)]
 
 
 class DriveSetpoint(Struct, frozen=True, forbid_unknown_fields=True):
@@ -72,7 +72,7 @@ class SimulatedObject(Message):
     y: Finite
     yaw: Finite = 0.0
     path: tuple[tuple[Finite, Finite], ...] = ()
-    speed_mps: Annotated[float, Field(ge=0, le=3)] = 0.0
+    speed_mps: Annotated[float, Field(strict=True, ge=0, le=3)] = 0.0
 
 
 class FaultKind(StrEnum):
@@ -96,7 +96,7 @@ class CameraFault(Message):
     model_config = ConfigDict(json_schema_extra={"examples": [{"kind": "bump", "shift_x_m": 0.02}]})
 
     kind: FaultKind
-    cover_share: Annotated[float, Field(gt=0, le=1)] = 1.0
+    cover_share: Annotated[float, Field(strict=True, gt=0, le=1)] = 1.0
     shift_x_m: _Shift = 0.0
     shift_y_m: _Shift = 0.0
     shift_z_m: _Shift = 0.0

@@ -73,7 +73,8 @@ class RosBase:
         while True:
             await asyncio.sleep(PERIOD_S)
             now_s = self._clock.monotonic_s()
-            for command in self._commands.take(N=10):
+            taken: list[Any] = self._commands.take(N=10)
+            for command in taken:
                 if isinstance(command, Velocity):  # else a writer has gone
                     self.plant.setpoint = Twist(command.linear.x, command.angular.z)
                     self._heard_s = now_s

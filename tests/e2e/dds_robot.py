@@ -33,7 +33,8 @@ def main() -> None:
     scans: DataWriter[Scan] = DataWriter(participant, topic("scan", Scan), qos=SENSOR)
     wanted, heard_s = (0.0, 0.0), 0.0
     while True:
-        for command in commands.take(N=10):
+        taken: list[Any] = commands.take(N=10)
+        for command in taken:
             if isinstance(command, Velocity):  # else a writer has gone
                 wanted, heard_s = (command.linear.x, command.angular.z), time.monotonic()
         base.drive(*(wanted if time.monotonic() - heard_s < WATCHDOG_S else (0.0, 0.0)))

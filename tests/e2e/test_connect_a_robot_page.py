@@ -59,7 +59,7 @@ def describe(folder: Path) -> tuple[Path, Path, int]:
     """The lab with the page's robots; the same for the simulated lab, which moves all of them; the latter's port."""
     http, robots_udp, scene, lab_udp, redis_port = free_ports(5)
     page = page_yaml()
-    lab = {
+    lab: dict[str, Any] = {
         "name": "ways-in",
         "areas": [{"id": "camp", "outline": [[-0.1, -0.1], [2.9, -0.1], [2.9, 2.4], [-0.1, 2.4]]}],
         "cameras": [
