@@ -5,10 +5,9 @@ from typing import Annotated, Self
 
 from pydantic import ConfigDict, Field, model_validator
 
-from protocol.messages.base import NUMERIC, Finite, Flag, Identifier, Message, NonNegative, Positive, StampNs
+from protocol.messages.base import NUMERIC, Counted, Finite, Flag, Identifier, Message, NonNegative, Positive, StampNs
 
-_Counted = Annotated[int, Field(ge=0), NUMERIC]
-Order = tuple[_Counted, _Counted]
+Order = tuple[Counted, Counted]
 """(epoch, sequence) of a command."""
 
 
@@ -65,8 +64,8 @@ class Command(Message):
     """
 
     robot: Identifier
-    epoch: Annotated[int, Field(ge=0), NUMERIC]
-    sequence: Annotated[int, Field(ge=0), NUMERIC]
+    epoch: Counted
+    sequence: Counted
     stamp_ns: StampNs
     deadline_ns: StampNs
     movement: Movement
@@ -104,7 +103,7 @@ class Status(Message):
     """Robot to server, continuously: where it believes to be and what it really does."""
 
     robot: Identifier
-    sequence: Annotated[int, Field(ge=0), NUMERIC]
+    sequence: Counted
     stamp_ns: StampNs
     x: Finite | None = Field(default=None, description="None until the robot has been localized once.")
     y: Finite | None = None
@@ -220,8 +219,8 @@ class Assignment(Message):
     robot: Identifier
     route: Identifier
     state: AssignmentState
-    leg: Annotated[int, Field(ge=0), NUMERIC] = Field(default=0, description="Index of the leg being driven.")
-    laps: Annotated[int, Field(ge=0), NUMERIC] = 0
+    leg: Counted = Field(default=0, description="Index of the leg being driven.")
+    laps: Counted = 0
     speed_scale: Annotated[float, Field(strict=True, gt=0, le=2, allow_inf_nan=False)] = 1.0
     started_ns: StampNs
     changed_ns: StampNs
@@ -270,7 +269,7 @@ class EmergencyStop(Message):
     """The fleet-wide latch. Engaged until a person releases it; `epoch` grows with every change."""
 
     engaged: Flag
-    epoch: Annotated[int, Field(ge=0), NUMERIC] = 0
+    epoch: Counted = 0
     stamp_ns: StampNs = 0
     by: str = ""
     reason: str = ""

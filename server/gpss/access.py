@@ -48,7 +48,7 @@ async def apply(client: redis.asyncio.Redis, record: RedisUserRecord) -> None:
 async def synchronize(client: redis.asyncio.Redis, records: dict[str, RedisUserRecord]) -> None:
     """Makes Redis' users of robots be those of the records, no more and no less. Others' users are left alone."""
     for name in await _execute(client, "ACL", "USERS"):
-        found = _USER.match(name.decode())
+        found = _USER.match(name.decode(errors="replace"))
         if found is not None and found["robot"] not in records:
             await _execute(client, "ACL", "DELUSER", name)
     for record in records.values():
