@@ -54,7 +54,7 @@ statuses = st.builds(
     battery=st.none() | st.floats(0, 1),
     faults=st.lists(st.text(max_size=20), max_size=3).map(tuple),
 )
-drives = st.builds(DriveSetpoint, vehicle=names, sequence=u64, linear_mps=finite, angular_radps=finite)
+drives = st.builds(DriveSetpoint, vehicle=names, sequence=stamps, linear_mps=finite, angular_radps=finite)
 odometries = st.builds(
     Odometry,
     vehicle=names,
