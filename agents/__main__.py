@@ -39,7 +39,8 @@ def main(arguments: Sequence[str] | None = None, environment: Mapping[str, str] 
         lab = load_lab(settings.lab)
         vehicle = _vehicle(lab, options.vehicle)
         server_host(settings.server_url)
-        site = DriverSite(vehicle, lab, clock, settings.udp_key, environment.get("LILLIPUT_LAB_HOST", "127.0.0.1"))
+        lab_host = environment.get("LILLIPUT_LAB_HOST", "127.0.0.1")
+        site = DriverSite(vehicle, lab, clock, settings.udp_key, lab_host, environment)
         driver = make_driver(site)
     except (LabFileError, UnknownDriverError, ValueError) as error:
         raise SystemExit(str(error)) from error

@@ -17,7 +17,8 @@ ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENCV_FOR_THREADS_NUM": "1", "OPENBLAS_N
 @dataclass(frozen=True, slots=True)
 class SystemSettings:
     """What all processes of one system are told. `host` is what servers bind to, `server_url` where agents find it; `run` names
-    the folder of stage timings that they share (each has one of its own when it is empty)."""
+    the folder of stage timings that they share (each has one of its own when it is empty); `redis_port` opens the private
+    Redis to GPSS robots."""
 
     lab: Path
     state: Path
@@ -27,6 +28,7 @@ class SystemSettings:
     server_url: str
     udp_key: str
     run: str = ""
+    redis_port: int | None = None
 
 
 def server_url(host: str, port: int) -> str:

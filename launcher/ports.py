@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from launcher.errors import UsageError
-from launcher.processes import SERVER, ProcessInstance
+from launcher.processes import REDIS, SERVER, ProcessInstance
 from protocol.lab import Lab
 
 
@@ -25,6 +25,8 @@ def needed_ports(lab: Lab, processes: Iterable[ProcessInstance], host: str, http
     """The ports that these processes bind."""
     kinds = {process.kind.name for process in processes}
     ports: list[Port] = []
+    if REDIS in kinds and lab.ports.redis is not None:
+        ports.append(_in_lab_file("Redis for GPSS robots", socket.SOCK_STREAM, host, lab.ports.redis, "redis"))
     if SERVER in kinds:
         ports.append(Port("the console", socket.SOCK_STREAM, host, http_port, "give another with --http-port"))
         ports.append(_in_lab_file("robots' datagrams", socket.SOCK_DGRAM, host, lab.ports.robots_udp, "robots_udp"))

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from launcher.errors import UsageError
-from protocol.lab import Lab
+from protocol.lab import GPSS_DRIVER, Lab
 
 REDIS = "redis"
 SERVER = "server"
@@ -61,6 +61,14 @@ def _simulated_vehicles(lab: Lab) -> Sequence[str]:
     return tuple(vehicle.id for vehicle in lab.vehicles if vehicle.driver == "sim")
 
 
+def _with_gpss_robots(lab: Lab) -> Sequence[str]:
+    return ("",) if any(vehicle.driver == GPSS_DRIVER for vehicle in lab.vehicles) else ()
+
+
+def _with_ros2_output(lab: Lab) -> Sequence[str]:
+    return ("",) if lab.outputs.ros2.enabled else ()
+
+
 def _when_simulated(lab: Lab) -> Sequence[str]:
     return ("",) if lab.has_simulation else ()
 
@@ -77,6 +85,8 @@ PROCESSES = (
         "calibrator", ("-m", "localization.calibrator"), "when there is any camera", _with_cameras, niceness=10
     ),
     ProcessKind("mapper", ("-m", "mapping.mapper"), "always", _always),
+    ProcessKind("gpss", ("-m", "server.gpss"), f"when any vehicle's driver is {GPSS_DRIVER}", _with_gpss_robots),
+    ProcessKind("ros2", ("-m", "localization.ros2_bridge"), "when outputs.ros2 is enabled", _with_ros2_output),
     ProcessKind("agent", ("-m", "agents", "{id}"), "one per simulated vehicle", _simulated_vehicles, needs_token=True),
 )
 

@@ -11,7 +11,7 @@ from redis.exceptions import RedisError
 
 from launcher.errors import LauncherError, UsageError
 from launcher.lab_file import read_lab, state_folder
-from launcher.redis_server import redis_url, shown_url, socket_path
+from launcher.redis_server import private_url, shown_url, socket_path
 from server.errors import ServiceError
 
 T = TypeVar("T")
@@ -26,7 +26,7 @@ def with_redis(arguments: argparse.Namespace, work: Callable[[redis.asyncio.Redi
         state = state_folder(arguments.state, lab)
         if not socket_path(state).exists():
             raise LauncherError(f"no system runs on {state}: start `./lilliput up`, or name its folder with --state")
-        url = redis_url(socket_path(state))
+        url = private_url(state, opened=lab.ports.redis is not None)
     return asyncio.run(_work(url, work))
 
 

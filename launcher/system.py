@@ -15,13 +15,15 @@ from launcher.paths import ROOT
 from launcher.process_states import ProcessStates
 from launcher.processes import REDIS, SERVER, ProcessInstance
 from launcher.redis_server import (
+    Opening,
     find_redis_server,
     prepare_folders,
+    private_url,
     redis_argv,
-    redis_url,
     shown_url,
     socket_path,
     wait_for_redis,
+    write_users,
 )
 from launcher.supervisor import Supervisor
 from launcher.web_server import answers
@@ -75,9 +77,10 @@ class System:
     ) -> None:
         self._processes = processes
         self._private_redis = not settings.redis_url
-        self._settings = (
-            settings if settings.redis_url else replace(settings, redis_url=redis_url(socket_path(settings.state)))
-        )
+        if self._private_redis:
+            url = private_url(settings.state, opened=settings.redis_port is not None)
+            settings = replace(settings, redis_url=url)
+        self._settings = settings
         self._accounts = accounts
         self._terminal = terminal
         self._clock = clock or SystemClock()
@@ -128,10 +131,14 @@ class System:
         if self._private_redis:
             self._terminal.step("starting Redis (private, in the state folder)")
             prepare_folders(settings.state)
+            opening = None
+            if settings.redis_port is not None:
+                opening = Opening(settings.host, settings.redis_port)
+                write_users(settings.state)
             supervisor.start(
                 ChildSpec(
                     name=REDIS,
-                    argv=redis_argv(find_redis_server(), settings.state),
+                    argv=redis_argv(find_redis_server(), settings.state, opening),
                     environment=os.environ,
                     folder=ROOT,
                     echo=False,

@@ -47,7 +47,7 @@ class CalibrationStore:
         found: dict[str, CameraExtrinsics] = {}
         for name, data in extrinsics.items():
             try:
-                found[name.decode()] = decode(CameraExtrinsics, data)
+                found[name.decode(errors="replace")] = decode(CameraExtrinsics, data)
             except DecodeError:
                 continue
         return Stored(_decoded(Calibration, current), found, _decoded(CalibrationProposal, proposal))

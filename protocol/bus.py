@@ -196,8 +196,8 @@ class Bus:
                                         yield Received(channel, name, message)
                             delay_s = _FIRST_RETRY_S
                         elif item["type"] == "pmessage":
-                            _, _, name, source = cast("bytes", item["channel"]).decode().split(":", 3)
-                            received = _received(by_name[name], source, cast("bytes", item["data"]))
+                            _, _, name, source = cast("bytes", item["channel"]).split(b":", 3)
+                            received = _received(by_name[name.decode()], source, cast("bytes", item["data"]))
                             if received is not None:
                                 yield received
             except (*UNAVAILABLE, BusUnavailableError) as error:
@@ -215,19 +215,19 @@ def _tell_dropped(count: int) -> None:
         _logger.info("%d messages were dropped while Redis was out of reach", count)
 
 
-def _received(channel: Channel[M], instance: str, data: bytes) -> Received[M] | None:
+def _received(channel: Channel[M], instance: bytes, data: bytes) -> Received[M] | None:
     """None, and a line in the log, for what does not decode: one bad producer must not end a subscriber."""
     try:
-        return Received(channel, instance, decode(channel.message, data))
-    except DecodeError as error:
-        _logger.warning("ignored a message on %s of %s: %s", channel.name, instance, error)
+        return Received(channel, instance.decode(), decode(channel.message, data))
+    except (DecodeError, UnicodeDecodeError) as error:
+        _logger.warning("ignored a message on %s of %s: %s", channel.name, instance.decode(errors="replace"), error)
         return None
 
 
 def _decoded(channel: Channel[M], raw: dict[bytes, bytes]) -> dict[str, M]:
-    received: Iterable[Received[M] | None] = (_received(channel, key.decode(), data) for key, data in raw.items())
+    received: Iterable[Received[M] | None] = (_received(channel, name, data) for name, data in raw.items())
     return {item.instance: item.message for item in received if item is not None}
 
 
 def _from_entry(channel: Channel[M], fields: dict[bytes, bytes]) -> Received[M] | None:
-    return _received(channel, fields[b"i"].decode(), fields[b"m"])
+    return _received(channel, fields.get(b"i", b""), fields.get(b"m", b""))

@@ -19,6 +19,7 @@ from server.auth.passwords import Passwords
 from server.configuration import Configuration
 from server.context import Context
 from server.live.hub import LiveHub
+from server.methods import AllowedMethods
 from server.routes import (
     accounts,
     calibration,
@@ -116,6 +117,7 @@ def assemble(lifespan: Lifespan[FastAPI] | None = None) -> FastAPI:
     app.include_router(scene_proxy.router)
     app.include_router(console.router)
     refusals.install(app)
+    AllowedMethods("/api", (route for module in _ROUTES for route in module.router.routes)).install(app)
     app.add_middleware(SecurityHeaders)
     return app
 

@@ -26,7 +26,7 @@ from protocol.channels import (
     Delivery,
     Instances,
 )
-from protocol.lab import Lab
+from protocol.lab import GPSS_DRIVER, Lab, VehicleSpec
 from protocol.messages import CameraState, ProcessState
 from server.views.base import age_s
 from server.views.health import ChannelView, Condition, HealthView, ProblemView, RedisView, UdpView
@@ -103,6 +103,8 @@ def _expected(channel: Channel[Any], lab: Lab, stamps: Mapping[str, int]) -> tup
         return ()
     if channel is OBSTACLES and not lab.cameras:
         return ()
+    if channel is REGISTRATIONS:  # a robot that speaks GPSS over Redis has nothing to register
+        return tuple(vehicle.id for vehicle in lab.vehicles if vehicle.driver != GPSS_DRIVER)
     match channel.per:
         case Instances.CAMERA:
             return tuple(camera.id for camera in lab.cameras)
@@ -137,7 +139,7 @@ class _Problems:
         yield from self._guidance()
         cameras_work = any(not self._bad(DETECTIONS, camera.id) for camera in self._lab.cameras)
         for vehicle in self._lab.vehicles:
-            yield from self._robot(vehicle.id, cameras_work)
+            yield from self._robot(vehicle, cameras_work)
         if not self._inputs.udp.listening:
             yield _problem("error", "server", None, "the server does not listen for robots' datagrams")
 
@@ -190,10 +192,15 @@ class _Problems:
             text = f"guidance sends no commands to {', '.join(silent)}{self._since(since_ns)}"
             yield _problem("error", "guidance", since_ns, text)
 
-    def _robot(self, robot: str, cameras_work: bool) -> Iterator[ProblemView]:
+    def _robot(self, vehicle: VehicleSpec, cameras_work: bool) -> Iterator[ProblemView]:
+        robot = vehicle.id
         registered, heard = self._stamp(REGISTRATIONS, robot), self._stamp(STATUSES, robot)
         if registered is None and heard is None:
-            text = f"no agent has ever connected for {robot}; start one with `python -m agents {robot}`"
+            text = (
+                f"{robot} has never written its status to Redis; it needs a user: `./lilliput token redis {robot}`"
+                if vehicle.driver == GPSS_DRIVER
+                else f"no agent has ever connected for {robot}; start one with `python -m agents {robot}`"
+            )
             yield _problem("warning", robot, None, text)
         elif self._bad(STATUSES, robot):
             text = (

@@ -9,6 +9,7 @@ from agents.drivers.driver import (
     UnknownDriverError,
 )
 from agents.drivers.registry import DRIVERS, make_driver
+from agents.drivers.ros2 import Ros2DriverConfig
 from agents.drivers.sim import SimDriver, SimDriverConfig
 from agents.drivers.site import DriverSite
 
@@ -20,6 +21,7 @@ __all__ = [
     "DriverSite",
     "OdometryReading",
     "OdometryStaleError",
+    "Ros2DriverConfig",
     "SimDriver",
     "SimDriverConfig",
     "UnknownDriverError",

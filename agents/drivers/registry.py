@@ -3,10 +3,12 @@
 from collections.abc import Callable
 
 from agents.drivers.driver import Driver, UnknownDriverError
+from agents.drivers.ros2 import make_ros2_driver
 from agents.drivers.sim import make_sim_driver
 from agents.drivers.site import DriverSite
 
 DRIVERS: dict[str, Callable[[DriverSite], Driver]] = {
+    "ros2": make_ros2_driver,
     "sim": make_sim_driver,
 }
 

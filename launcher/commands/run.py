@@ -16,7 +16,14 @@ from launcher.lab_file import add_lab_arguments, read_lab, state_folder
 from launcher.output import progress
 from launcher.paths import ROOT
 from launcher.processes import PROCESSES, REDIS, SERVER, ProcessInstance, expand, select
-from launcher.redis_server import find_redis_server, prepare_folders, redis_argv, wait_for_redis
+from launcher.redis_server import (
+    Opening,
+    find_redis_server,
+    prepare_folders,
+    redis_argv,
+    wait_for_redis,
+    write_users,
+)
 from launcher.state_folder import udp_key
 from protocol.clock import SystemClock
 
@@ -41,7 +48,11 @@ def run(arguments: argparse.Namespace) -> int:
     state.mkdir(parents=True, exist_ok=True, mode=0o700)
     if process.kind.name == REDIS:
         prepare_folders(state)
-        return _become(redis_argv(find_redis_server(), state), dict(os.environ))
+        opening = None
+        if lab.ports.redis is not None:
+            opening = Opening(os.environ.get("LILLIPUT_HOST") or "127.0.0.1", lab.ports.redis)
+            write_users(state)
+        return _become(redis_argv(find_redis_server(), state, opening), dict(os.environ))
     url = os.environ.get("REDIS_URL")
     if not url:
         raise UsageError("set REDIS_URL to the Redis that all processes share (`./lilliput up` starts one by itself)")

@@ -1,6 +1,7 @@
-"""`./lilliput token`: API tokens for programs and robots of a system that runs.
+"""`./lilliput token`: API tokens for programs and robots of a system that runs, and Redis users of robots that speak GPSS.
 
-`token issue` prints the token alone to stdout, so that a script can keep it; it is shown nowhere else.
+`token issue` prints the token alone to stdout, so that a script can keep it; it is shown nowhere else. `token redis` prints
+user and password, with a space between.
 """
 
 import argparse
@@ -8,10 +9,14 @@ from datetime import UTC, datetime
 
 import redis.asyncio
 
-from launcher.lab_file import add_lab_arguments
+from launcher.errors import UsageError
+from launcher.lab_file import add_lab_arguments, read_lab
 from launcher.output import Result, print_result, progress
 from launcher.running_redis import with_redis
+from protocol.gpss import user_name
+from protocol.lab import GPSS_DRIVER
 from server.auth import Role, Token, issue_token, list_tokens, revoke_token
+from server.gpss.access import issue_redis_user, revoke_redis_user
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -27,7 +32,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     revoke = actions.add_parser("revoke", help="make a token void")
     revoke.add_argument("name", help="its name or id")
     revoke.set_defaults(act=_revoke)
-    for action in (issue, listed, revoke):
+    redis_user = actions.add_parser("redis", help="make the Redis user of a robot that speaks GPSS, and print it")
+    redis_user.add_argument("robot", metavar="ROBOT", help=f"a vehicle whose driver is {GPSS_DRIVER}")
+    redis_user.add_argument("--replace", action="store_true", help="make its present password void")
+    redis_user.add_argument("--revoke", action="store_true", help="end the user instead")
+    redis_user.set_defaults(act=_redis)
+    for action in (issue, listed, revoke, redis_user):
         add_lab_arguments(action)
         action.add_argument("--json", action="store_true", help="print one JSON object to stdout")
 
@@ -78,6 +88,29 @@ def _revoke(arguments: argparse.Namespace) -> None:
         print_result(Result("token", {"revoked": arguments.name}), as_json=True)
     else:
         progress(f"token {arguments.name} is void")
+
+
+def _redis(arguments: argparse.Namespace) -> None:
+    _, lab = read_lab(arguments.lab)
+    robots = [vehicle.id for vehicle in lab.vehicles if vehicle.driver == GPSS_DRIVER]
+    robot: str = arguments.robot
+    if robot not in robots:
+        raise UsageError(
+            f"{robot!r} is no vehicle with driver {GPSS_DRIVER} in lab {lab.name}; there is {', '.join(robots) or 'none'}"
+        )
+    if arguments.revoke:
+        with_redis(arguments, lambda client: revoke_redis_user(client, robot))
+        if arguments.json:
+            print_result(Result("token", {"revoked": user_name(robot)}), as_json=True)
+        else:
+            progress(f"the Redis user of {robot} is void")
+        return
+    user, password = with_redis(arguments, lambda client: issue_redis_user(client, robot, replace=arguments.replace))
+    if arguments.json:
+        print_result(Result("token", {"user": user, "password": password}, settings={"robot": robot}), as_json=True)
+    else:
+        progress(f"Redis user and password of {robot}, shown only this once:")
+        print(user, password, flush=True)
 
 
 def _line(token: Token) -> str:

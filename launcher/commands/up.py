@@ -49,6 +49,7 @@ def run(arguments: argparse.Namespace) -> int:
             server_url=os.environ.get("LILLIPUT_SERVER") or environment.server_url(arguments.host, port),
             udp_key=udp_key(state, os.environ.get("LILLIPUT_UDP_KEY")),
             run=os.environ.get("LILLIPUT_RUN") or run_name(SystemClock().now_ns()),
+            redis_port=lab.ports.redis,
         )
         progress(f"lab {lab.name} ({path}), state and logs in {state}")
         terminal = Terminal(step=progress, result=lambda line: print(line, flush=True))

@@ -6,6 +6,8 @@
 from protocol.lab.basis import camera_basis, floor_basis
 from protocol.lab.description import Lab
 from protocol.lab.devices import (
+    GPSS_DRIVER,
+    ROS2_DRIVER,
     Accuracy,
     Area,
     CameraSpec,
@@ -18,6 +20,8 @@ from protocol.lab.devices import (
     Output,
     Outputs,
     Ports,
+    Ros2Base,
+    Ros2Output,
     VehicleSpec,
     VehicleTag,
     ZoneSpec,
@@ -33,6 +37,8 @@ from protocol.lab.simulation import (
 )
 
 __all__ = [
+    "GPSS_DRIVER",
+    "ROS2_DRIVER",
     "Accuracy",
     "Area",
     "CameraSpec",
@@ -46,6 +52,8 @@ __all__ = [
     "Output",
     "Outputs",
     "Ports",
+    "Ros2Base",
+    "Ros2Output",
     "SimulatedDrive",
     "SimulatedImage",
     "SimulatedMount",

@@ -107,6 +107,28 @@ class Limits(LabModel):
     yaw_acceleration_radps2: Positive = 4.0
 
 
+GPSS_DRIVER, ROS2_DRIVER = "gpss-redis", "ros2"
+"""Drivers with a way of their own: a robot that speaks GPSS documents over Redis by itself, so that no agent of ours drives
+it; and a base that speaks ROS 2 over DDS."""
+
+RosDomain = Annotated[int, Field(ge=0, le=232)]
+"""A DDS domain: its number times 250 is added to the ports, which end at 65535."""
+_ROS_NAME = r"[a-zA-Z][a-zA-Z0-9]*(_[a-zA-Z0-9]+)*"
+RosNamespace = Annotated[str, Field(pattern=rf"^{_ROS_NAME}(/{_ROS_NAME})*$", max_length=100)]
+"""Names of ROS 2 with slashes between, without one at the beginning (/robot_1 is written robot_1)."""
+
+
+class Ros2Base(LabModel):
+    """Where on ROS 2 a vehicle with driver `ros2` is: the namespace of its topics (none: the vehicle's id, dashes as
+    underscores, after `robot_` if it begins with a digit) and the DDS domain (none: ROS_DOMAIN_ID). `scan` says whether it has a
+    laser scanner; `scan_pose` is the scanner's x, y (m) and yaw (rad) seen from the rotation centre."""
+
+    namespace: RosNamespace | None = None
+    domain: RosDomain | None = None
+    scan: bool = True
+    scan_pose: PoseXYYaw = (0.0, 0.0, 0.0)
+
+
 class VehicleSpec(LabModel):
     """A robot. `footprint` is its outline in metres seen from its rotation centre (x forward, y left)."""
 
@@ -117,10 +139,13 @@ class VehicleSpec(LabModel):
     tag: VehicleTag
     limits: Limits = Limits()
     obstacle_box: ObstacleBox = ObstacleBox()
+    ros2: Ros2Base | None = None
 
     @model_validator(mode="after")
     def _simple(self) -> Self:
         require_simple(self.footprint, "footprint")
+        if self.ros2 is not None and self.driver != ROS2_DRIVER:
+            raise ValueError(f"ros2 is for vehicles whose driver is {ROS2_DRIVER}, this one's is {self.driver}")
         return self
 
 
@@ -173,26 +198,35 @@ class GulliViewOutput(Output):
     point: Literal["tag", "vehicle"] = "tag"
 
 
+class Ros2Output(Output):
+    """Poses as ROS 2 topics over DDS, off unless asked for; `domain` is the DDS domain (none: ROS_DOMAIN_ID)."""
+
+    enabled: bool = False
+    domain: RosDomain | None = None
+
+
 class Outputs(LabModel):
-    """Where tracked poses go: the bus (Redis), our datagrams to registered robots, packets of the existing systems."""
+    """Where tracked poses go: the bus (Redis), our datagrams to registered robots, packets of the existing systems, ROS 2."""
 
     redis: Output = Output()
     datagrams: Output = Output()
     gulliview: tuple[GulliViewOutput, ...] = ()
+    ros2: Ros2Output = Ros2Output()
 
 
 class Ports(LabModel):
     """Where the system listens: HTTP of the console and API, UDP from robots, the loopback-only port of the 3D scene,
-    and UDP of the simulated lab's vehicles."""
+    and UDP of the simulated lab's vehicles. `redis` opens the private Redis to robots that speak GPSS (none: closed)."""
 
     http: Port = 8000
     robots_udp: Port = 2020
     scene: Port = 8010
     lab_udp: Port = 2030
+    redis: Port | None = None
 
     @model_validator(mode="after")
     def _distinct(self) -> Self:
-        for a, b in (("http", "scene"), ("robots_udp", "lab_udp")):
+        for a, b in (("http", "scene"), ("http", "redis"), ("scene", "redis"), ("robots_udp", "lab_udp")):
             if getattr(self, a) == getattr(self, b):
                 raise ValueError(f"{a} and {b} cannot share port {getattr(self, a)}")
         return self

@@ -5,7 +5,10 @@ from typing import Annotated, Self
 
 from pydantic import ConfigDict, Field, model_validator
 
-from protocol.messages.base import Finite, Identifier, Message, NonNegative, Positive, StampNs
+from protocol.messages.base import NUMERIC, Counted, Finite, Flag, Identifier, Message, NonNegative, Positive, StampNs
+
+Order = tuple[Counted, Counted]
+"""(epoch, sequence) of a command."""
 
 
 class Movement(StrEnum):
@@ -61,15 +64,15 @@ class Command(Message):
     """
 
     robot: Identifier
-    epoch: Annotated[int, Field(ge=0)]
-    sequence: Annotated[int, Field(ge=0)]
+    epoch: Counted
+    sequence: Counted
     stamp_ns: StampNs
     deadline_ns: StampNs
     movement: Movement
     reason: Reason
     target: Target | None = None
     speed_mps: NonNegative = 0.0
-    final: bool = Field(
+    final: Flag = Field(
         default=False, description="Whether the target is a place to arrive at, not a carrot on the way."
     )
     linear_mps: Finite = 0.0
@@ -100,7 +103,7 @@ class Status(Message):
     """Robot to server, continuously: where it believes to be and what it really does."""
 
     robot: Identifier
-    sequence: Annotated[int, Field(ge=0)]
+    sequence: Counted
     stamp_ns: StampNs
     x: Finite | None = Field(default=None, description="None until the robot has been localized once.")
     y: Finite | None = None
@@ -109,12 +112,12 @@ class Status(Message):
     angular_radps: Finite
     ip: str = ""
     area: str | None = None
-    battery: Annotated[float, Field(ge=0, le=1)] | None = Field(default=None, description="Share of full charge.")
+    battery: Annotated[float, Field(strict=True, ge=0, le=1)] | None = Field(
+        default=None, description="Share of full charge."
+    )
     mode: Mode = Mode.AUTOMATIC
     faults: tuple[str, ...] = ()
-    command_order: tuple[int, int] | None = Field(
-        default=None, description="(epoch, sequence) of the newest command accepted."
-    )
+    command_order: Order | None = Field(default=None, description="(epoch, sequence) of the newest command accepted.")
     stopped_by: Reason | None = Field(default=None, description="Why the robot itself holds still, if it does.")
     pose_age_s: NonNegative | None = None
     command_age_s: NonNegative | None = None
@@ -148,7 +151,7 @@ class Response(Message):
     )
 
     robot: Identifier
-    command_order: tuple[int, int]
+    command_order: Order
     command_stamp_ns: StampNs
     stamp_ns: StampNs
     outcome: Outcome
@@ -172,7 +175,7 @@ class Waypoint(Message):
     area: Identifier
     x: Finite
     y: Finite
-    radius_m: Annotated[float, Field(gt=0, le=5, allow_inf_nan=False)] = 0.15
+    radius_m: Annotated[float, Field(strict=True, gt=0, le=5, allow_inf_nan=False)] = 0.15
     yaw: Finite | None = None
 
 
@@ -182,7 +185,7 @@ class Leg(Message):
     model_config = ConfigDict(json_schema_extra={"examples": [{"waypoint": "charger", "speed_mps": 0.3}]})
 
     waypoint: Identifier
-    speed_mps: Annotated[float, Field(gt=0, le=10, allow_inf_nan=False)] = 0.3
+    speed_mps: Annotated[float, Field(strict=True, gt=0, le=10, allow_inf_nan=False)] = 0.3
 
 
 class Route(Message):
@@ -196,7 +199,7 @@ class Route(Message):
 
     id: Identifier
     legs: Annotated[tuple[Leg, ...], Field(min_length=1, max_length=1000)]
-    loop: bool = False
+    loop: Flag = False
 
 
 class AssignmentState(StrEnum):
@@ -216,9 +219,9 @@ class Assignment(Message):
     robot: Identifier
     route: Identifier
     state: AssignmentState
-    leg: Annotated[int, Field(ge=0)] = Field(default=0, description="Index of the leg being driven.")
-    laps: Annotated[int, Field(ge=0)] = 0
-    speed_scale: Annotated[float, Field(gt=0, le=2, allow_inf_nan=False)] = 1.0
+    leg: Counted = Field(default=0, description="Index of the leg being driven.")
+    laps: Counted = 0
+    speed_scale: Annotated[float, Field(strict=True, gt=0, le=2, allow_inf_nan=False)] = 1.0
     started_ns: StampNs
     changed_ns: StampNs
     started_by: str = ""
@@ -237,7 +240,7 @@ class RobotSettings(Message):
     box_start_m: NonNegative | None = None
     box_length_m: Positive | None = None
     box_width_m: Positive | None = None
-    stop_at_waypoint: bool | None = None
+    stop_at_waypoint: Flag | None = None
 
 
 class Registration(Message):
@@ -246,7 +249,7 @@ class Registration(Message):
     robot: Identifier
     kind: str = ""
     host: str
-    udp_port: Annotated[int, Field(gt=0, lt=65536)]
+    udp_port: Annotated[int, Field(gt=0, lt=65536), NUMERIC]
     session: str = Field(default="", max_length=64)
     stamp_ns: StampNs = 0
 
@@ -265,8 +268,8 @@ class ManualDrive(Message):
 class EmergencyStop(Message):
     """The fleet-wide latch. Engaged until a person releases it; `epoch` grows with every change."""
 
-    engaged: bool
-    epoch: Annotated[int, Field(ge=0)] = 0
+    engaged: Flag
+    epoch: Counted = 0
     stamp_ns: StampNs = 0
     by: str = ""
     reason: str = ""

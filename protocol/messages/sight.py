@@ -2,6 +2,8 @@
 
 from msgspec import Struct
 
+from protocol.messages.base import Real, Whole
+
 
 class Detection(Struct, frozen=True, forbid_unknown_fields=True):
     """One tag in one frame.
@@ -13,7 +15,7 @@ class Detection(Struct, frozen=True, forbid_unknown_fields=True):
     """
 
     family: str
-    tag_id: int
+    tag_id: Whole
     corners_px: tuple[tuple[float, float], tuple[float, float], tuple[float, float], tuple[float, float]]
     decision_margin: float
     x: float
@@ -29,9 +31,9 @@ class FrameDetections(Struct, frozen=True, forbid_unknown_fields=True):
     the stages `wait` (capture to start), `window` and `full` (the two searches), `undistort`, `pose`."""
 
     camera: str
-    stamp_ns: int
-    sent_ns: int
-    frame: int
+    stamp_ns: Whole
+    sent_ns: Whole
+    frame: Whole
     full_search: bool
     detections: tuple[Detection, ...]
     timings_ms: dict[str, float]
@@ -45,18 +47,18 @@ class TrackedPose(Struct, frozen=True, forbid_unknown_fields=True):
     """
 
     vehicle: str
-    stamp_ns: int
-    x: float
-    y: float
-    yaw: float
-    vx: float
-    vy: float
-    yaw_rate: float
-    covariance: tuple[float, float, float, float, float, float]
+    stamp_ns: Whole
+    x: Real
+    y: Real
+    yaw: Real
+    vx: Real
+    vy: Real
+    yaw_rate: Real
+    covariance: tuple[Real, Real, Real, Real, Real, Real]
     cameras: tuple[str, ...]
     area: str | None = None
-    ax: float = 0.0
-    ay: float = 0.0
+    ax: Real = 0.0
+    ay: Real = 0.0
 
 
 class CameraState(Struct, frozen=True, forbid_unknown_fields=True):
@@ -64,20 +66,20 @@ class CameraState(Struct, frozen=True, forbid_unknown_fields=True):
     message, median of the last seconds, in ms; `reprojection_px` is the extrinsics' RMS error, None before calibration."""
 
     camera: str
-    stamp_ns: int
+    stamp_ns: Whole
     connected: bool
     error: str | None
-    width: int
-    height: int
+    width: Whole
+    height: Whole
     rate_hz: float
     latency_ms: float
-    frames: int
-    broken: int
-    skipped: int
+    frames: Whole
+    broken: Whole
+    skipped: Whole
     floor_tags_seen: tuple[int, ...]
     reprojection_px: float | None
     timings_ms: dict[str, float]
-    error_since_ns: int | None = None
+    error_since_ns: Whole | None = None
 
 
 class CameraExtrinsics(Struct, frozen=True, forbid_unknown_fields=True):
@@ -87,7 +89,7 @@ class CameraExtrinsics(Struct, frozen=True, forbid_unknown_fields=True):
     the rotation's error is the left perturbation exp(delta) R. Empty when it is not known."""
 
     camera: str
-    stamp_ns: int
+    stamp_ns: Whole
     rotvec: tuple[float, float, float]
     translation: tuple[float, float, float]
     reprojection_px: float
@@ -101,11 +103,11 @@ class FloorRaster(Struct, frozen=True, forbid_unknown_fields=True):
     a cell not observed says nothing."""
 
     source: str
-    stamp_ns: int
-    origin_x: float
-    origin_y: float
-    cell_m: float
-    columns: int
-    rows: int
+    stamp_ns: Whole
+    origin_x: Real
+    origin_y: Real
+    cell_m: Real
+    columns: Whole
+    rows: Whole
     occupied: bytes
     observed: bytes

@@ -10,19 +10,19 @@ from typing import Annotated, Literal
 from msgspec import Struct
 from pydantic import ConfigDict, Field
 
-from protocol.messages.base import Finite, Identifier, Message
+from protocol.messages.base import Finite, Identifier, Message, Real, Whole
 
-_Shift = Annotated[float, Field(ge=-0.5, le=0.5)]
-_Tilt = Annotated[float, Field(ge=-0.1, le=0.1)]
+_Shift = Annotated[float, Field(strict=True, ge=-0.5, le=0.5)]
+_Tilt = Annotated[float, Field(strict=True, ge=-0.1, le=0.1)]
 
 
 class DriveSetpoint(Struct, frozen=True, forbid_unknown_fields=True):
     """Agent to simulated base: the twist to hold (m/s, rad/s). The base stops by itself 0.3 s after the last one."""
 
     vehicle: str
-    sequence: int
-    linear_mps: float
-    angular_radps: float
+    sequence: Whole
+    linear_mps: Real
+    angular_radps: Real
 
 
 class Odometry(Struct, frozen=True, forbid_unknown_fields=True):
@@ -31,32 +31,32 @@ class Odometry(Struct, frozen=True, forbid_unknown_fields=True):
 
     vehicle: str
     session: str
-    stamp_ns: int
-    x: float
-    y: float
-    yaw: float
-    linear_mps: float
-    angular_radps: float
-    battery: float
-    range_front_m: float | None = None
+    stamp_ns: Whole
+    x: Real
+    y: Real
+    yaw: Real
+    linear_mps: Real
+    angular_radps: Real
+    battery: Real
+    range_front_m: Real | None = None
 
 
 class TruePose(Struct, frozen=True, forbid_unknown_fields=True):
     """Where a vehicle's rotation centre truly is."""
 
-    x: float
-    y: float
-    yaw: float
-    linear_mps: float
-    angular_radps: float
+    x: Real
+    y: Real
+    yaw: Real
+    linear_mps: Real
+    angular_radps: Real
 
 
 class GroundTruth(Struct, frozen=True, forbid_unknown_fields=True):
     """The truth of one instant: vehicles by id, and contacts between them or with objects since the start."""
 
-    stamp_ns: int
+    stamp_ns: Whole
     vehicles: dict[str, TruePose]
-    contacts: int
+    contacts: Whole
 
 
 class SimulatedObject(Message):
@@ -72,7 +72,7 @@ class SimulatedObject(Message):
     y: Finite
     yaw: Finite = 0.0
     path: tuple[tuple[Finite, Finite], ...] = ()
-    speed_mps: Annotated[float, Field(ge=0, le=3)] = 0.0
+    speed_mps: Annotated[float, Field(strict=True, ge=0, le=3)] = 0.0
 
 
 class FaultKind(StrEnum):
@@ -96,7 +96,7 @@ class CameraFault(Message):
     model_config = ConfigDict(json_schema_extra={"examples": [{"kind": "bump", "shift_x_m": 0.02}]})
 
     kind: FaultKind
-    cover_share: Annotated[float, Field(gt=0, le=1)] = 1.0
+    cover_share: Annotated[float, Field(strict=True, gt=0, le=1)] = 1.0
     shift_x_m: _Shift = 0.0
     shift_y_m: _Shift = 0.0
     shift_z_m: _Shift = 0.0

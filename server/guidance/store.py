@@ -113,7 +113,7 @@ class GuidanceStore:
             pipeline.hgetall(key)  # pyright: ignore[reportUnusedCoroutine]  # queued
         raw = cast("list[dict[bytes, bytes]]", await pipeline.execute())
         poses, statuses, manual, stop, obstacles, waypoints, routes, assignments, settings = raw
-        self._assignments = {name.decode(): data for name, data in assignments.items()}
+        self._assignments = {name.decode(errors="replace"): data for name, data in assignments.items()}
         stops = self._live(EMERGENCY_STOP, stop)
         latch = stops.get(LAB_INSTANCE)
         if latch is None and LAB_INSTANCE.encode() in stop:

@@ -56,7 +56,7 @@ async def read_extrinsics(bus: Bus) -> dict[str, CameraExtrinsics]:
     found: dict[str, CameraExtrinsics] = {}
     for name, data in raw.items():
         try:
-            found[name.decode()] = decode(CameraExtrinsics, data)
+            found[name.decode(errors="replace")] = decode(CameraExtrinsics, data)
         except DecodeError:
             continue
     return found

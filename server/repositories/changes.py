@@ -35,7 +35,7 @@ async def changes(bus: Bus, clock: Clock) -> AsyncGenerator[str | None, None]:
                     if item is None:
                         await pubsub.ping()  # pyright: ignore[reportGeneralTypeIssues]  # notices a dead connection
                     elif item["type"] == "message":
-                        yield cast("bytes", item["data"]).decode()
+                        yield cast("bytes", item["data"]).decode(errors="replace")
         except UNAVAILABLE as error:
             _logger.warning("Redis is out of reach, retrying in %.2f s: %s", delay_s, error)
             await clock.sleep(delay_s)

@@ -148,7 +148,7 @@ def decode_all(documents: Documents[M], raw: dict[bytes, bytes]) -> dict[str, M]
     for name, data in sorted(raw.items()):
         try:
             decoded[name.decode()] = decode(documents.kind, data)
-        except DecodeError as error:
+        except (DecodeError, UnicodeDecodeError) as error:
             _logger.warning("%s: %s is damaged: %s", documents.key, name.decode(errors="replace"), error)
     return decoded
 

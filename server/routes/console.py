@@ -2,11 +2,12 @@
 
 from pathlib import Path
 
-from fastapi import APIRouter
+from fastapi import APIRouter, Request
 from starlette.exceptions import HTTPException
 from starlette.responses import FileResponse, HTMLResponse, Response
 
 from server.context import Ctx
+from server.methods import AllowedMethods
 
 router = APIRouter(include_in_schema=False)
 
@@ -17,9 +18,12 @@ but <code>web/dist</code> is missing. <code>./lilliput up</code> builds it; this
 
 
 @router.get("/{path:path}")
-async def console(path: str, context: Ctx) -> Response:
+async def console(path: str, request: Request, context: Ctx) -> Response:
     """Files whose names carry a digest of their content are kept for ever, everything else is asked for again."""
     if path == "api" or path.startswith("api/"):
+        methods: AllowedMethods = request.app.state.allowed_methods
+        if methods.of(f"/{path}"):
+            raise HTTPException(405)
         raise HTTPException(404, f"there is no /{path}")
     root = context.configuration.console
     index = root / "index.html"

@@ -30,7 +30,9 @@ class Introduction(Body):
     )
 
     kind: Annotated[str, Field(max_length=64, examples=["wifibot"])] = ""
-    udp_port: Annotated[int, Field(gt=0, lt=65536, examples=[40123], description="Where it hears POSE datagrams.")]
+    udp_port: Annotated[
+        int, Field(strict=True, gt=0, lt=65536, examples=[40123], description="Where it hears POSE datagrams.")
+    ]
     session: Annotated[str, Field(max_length=64)] = ""
 
 

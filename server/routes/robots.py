@@ -34,7 +34,7 @@ class Start(Body):
     model_config = ConfigDict(json_schema_extra={"examples": [{"route": "charge", "speed_scale": 1.0}]})
 
     route: Identifier = Field(examples=["charge"])
-    speed_scale: Annotated[float, Field(gt=0, le=2, allow_inf_nan=False)] = 1.0
+    speed_scale: Annotated[float, Field(strict=True, gt=0, le=2, allow_inf_nan=False)] = 1.0
 
 
 class Twist(Body):

@@ -1,6 +1,7 @@
 """The conformance suite: every driver keeps the promises of agents.drivers.driver. A new driver adds a bench below."""
 
 import asyncio
+import math
 from collections.abc import AsyncIterator
 from typing import Protocol
 
@@ -13,11 +14,13 @@ from agents.drivers import (
     DriverNotConnectedError,
     DriverSite,
     OdometryStaleError,
+    Ros2DriverConfig,
     SimDriver,
     SimDriverConfig,
     UnknownDriverError,
     make_driver,
 )
+from agents.drivers.ros2.driver import Ros2Driver
 from agents.motion import STOP, Twist
 from geometry import SE2
 from protocol.clock import SystemClock
@@ -25,7 +28,9 @@ from protocol.lab import load_lab
 from tests.agents.fake_base import FakeBase
 from tests.agents.memory_driver import MemoryDriver
 from tests.agents.plant import LIMITS, Plant
+from tests.agents.ros_base import RosBase
 from tests.agents.waiting import until
+from tests.loopback_dds import domain_of_this_run, stay_on_loopback
 
 ROBOT = "wifibot-14"
 LAB = load_lab("labs/gulliver.yaml")
@@ -50,6 +55,36 @@ class SimBench:
     async def open(self) -> None:
         await self.base.start()
         self.driver: Driver = SimDriver(SimDriverConfig("127.0.0.1", self.base.port, ROBOT, LIMITS, KEY), SystemClock())
+
+    async def silence(self) -> None:
+        await self.base.stop()
+
+    async def close(self) -> None:
+        await self.driver.close()
+        await self.base.stop()
+
+
+ROS_BASE = Ros2DriverConfig(
+    namespace="robot_14",
+    domain=domain_of_this_run(),
+    limits=LIMITS,
+    scan=True,
+    T_robot_scanner=SE2(0.05, 0.0, math.pi / 2),
+    front_m=0.15,
+    half_width_m=0.16,
+)
+
+
+class RosBench:
+    def __init__(self) -> None:
+        stay_on_loopback()
+        self.base = RosBase("robot_14", domain_of_this_run())
+        self.plant = self.base.plant
+
+    async def open(self) -> None:
+        await self.base.start()
+        self.ros = Ros2Driver(ROS_BASE, SystemClock())
+        self.driver: Driver = self.ros
 
     async def silence(self) -> None:
         await self.base.stop()
@@ -84,7 +119,7 @@ class MemoryBench:
         await self.driver.close()
 
 
-@pytest.fixture(params=[SimBench, MemoryBench], ids=["sim", "memory"])
+@pytest.fixture(params=[SimBench, RosBench, MemoryBench], ids=["sim", "ros2", "memory"])
 async def bench(request: pytest.FixtureRequest) -> AsyncIterator[Bench]:
     bench = request.param()
     await bench.open()
@@ -130,7 +165,8 @@ async def test_the_base_holds_the_twist_and_odometry_shows_it(bench: Bench) -> N
     newest = bench.driver.read_odometry(0.5)
     assert newest.stamp_ns > first.stamp_ns
     assert newest.session == first.session
-    assert bench.driver.battery() is not None
+    battery = bench.driver.battery()
+    assert battery is None or 0.0 <= battery <= 1.0
     assert bench.driver.faults() == ()
 
 
@@ -225,4 +261,8 @@ def test_the_registry_knows_the_drivers() -> None:
     unknown = vehicle.model_copy(update={"driver": "tractor"})
     with pytest.raises(UnknownDriverError, match=r"'tractor'; there is .*sim"):
         make_driver(DriverSite(unknown, LAB, clock))
-    assert "sim" in DRIVERS
+    assert {"sim", "ros2"} <= DRIVERS.keys()
+    ros = vehicle.model_copy(update={"driver": "ros2"})
+    assert isinstance(make_driver(DriverSite(ros, LAB, clock)), Ros2Driver)
+    with pytest.raises(ValueError, match="ROS_DOMAIN_ID must be a number from 0 to 232, not 'x'"):
+        make_driver(DriverSite(ros, LAB, clock, environment={"ROS_DOMAIN_ID": "x"}))

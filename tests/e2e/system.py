@@ -18,7 +18,7 @@ import httpx
 import yaml
 from redis import Redis
 
-from launcher.redis_server import redis_url, socket_path
+from launcher.redis_server import private_url
 from protocol import keys
 from protocol.channels import GROUND_TRUTH, LAB_INSTANCE, PROCESSES
 from protocol.codec import decode
@@ -89,11 +89,12 @@ class RunningSystem:
     url: str
     password: str
     output: list[str]
+    redis_opened: bool = False
     api: httpx.Client = field(init=False)
     redis: Redis = field(init=False)
 
     def __post_init__(self) -> None:
-        self.redis = Redis.from_url(redis_url(socket_path(self.state)))
+        self.redis = Redis.from_url(private_url(self.state, opened=self.redis_opened))
         self.api = httpx.Client(base_url=f"{self.url}/api", headers={"X-Lilliput": "1"}, timeout=10)
         self.api.post("/session", json={"user": "admin", "password": self.password}).raise_for_status()
 
@@ -140,14 +141,21 @@ class RunningSystem:
 
 
 @contextmanager
-def running_system(folder: Path, lab: Path | None = None, password: str | None = None) -> Generator[RunningSystem]:
-    """Starts everything and waits for the console; ends it afterwards. `lab` None is the reports' room with light
-    cameras; `password` is the admin's where the state folder has one already."""
+def running_system(
+    folder: Path,
+    lab: Path | None = None,
+    password: str | None = None,
+    *,
+    only: str | None = None,
+    redis_opened: bool = False,
+) -> Generator[RunningSystem]:
+    """Starts everything, or `only` some, and waits for the console; ends it afterwards. `lab` None is the reports' room with
+    light cameras; `password` is the admin's where the state folder has one already; `redis_opened` when the lab file has `ports.redis`."""
     lab = lab or lab_on_free_ports(folder, light=True)
     state = folder / "state"
     environment = {name: value for name, value in os.environ.items() if name not in ("REDIS_URL", "LILLIPUT_LAB")}
     process = subprocess.Popen(
-        [ROOT / "lilliput", "up", "--lab", lab, "--state", state],
+        [ROOT / "lilliput", "up", "--lab", lab, "--state", state, *(("--only", only) if only else ())],
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,
@@ -161,7 +169,7 @@ def running_system(folder: Path, lab: Path | None = None, password: str | None =
     try:
         url = _said(process, output, r"Console:\s+(\S+)")
         password = password or _said(process, output, r"password (\S+)")
-        system = RunningSystem(process, state, url, password, output)
+        system = RunningSystem(process, state, url, password, output, redis_opened)
         yield system
     finally:
         if system is not None:

@@ -10,7 +10,7 @@ from launcher.errors import UsageError
 from launcher.paths import DEFAULT_LAB, PYTHON, ROOT
 from launcher.processes import PROCESSES, expand, select
 from protocol.channels import CHANNELS
-from protocol.lab import Lab, load_lab
+from protocol.lab import Lab, Ros2Output, load_lab
 from protocol.settings import Settings
 
 SETTINGS = SystemSettings(
@@ -47,6 +47,21 @@ def test_without_anything_simulated_there_is_no_lab_process_and_no_agent(lab: La
     kinds = {process.kind.name for process in expand(real)}
     assert {"lab", "agent"}.isdisjoint(kinds)
     assert {"camera", "tracker", "server"} <= kinds
+
+
+def test_a_gpss_robot_gets_the_adapter_instead_of_an_agent_and_ros_poses_their_bridge(lab: Lab) -> None:
+    assert {"gpss", "ros2"}.isdisjoint(process.kind.name for process in expand(lab))
+    first, *others = lab.vehicles
+    mixed = lab.model_copy(
+        update={
+            "vehicles": (first.model_copy(update={"driver": "gpss-redis"}), *others),
+            "outputs": lab.outputs.model_copy(update={"ros2": Ros2Output(enabled=True)}),
+        }
+    )
+    names = {process.name for process in expand(mixed)}
+    assert {"gpss", "ros2"} <= names
+    assert f"agent-{first.id}" not in names
+    assert {f"agent-{vehicle.id}" for vehicle in others} <= names
 
 
 def test_every_channel_is_produced_by_a_process_of_the_table() -> None:

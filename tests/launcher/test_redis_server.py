@@ -3,6 +3,7 @@
 import asyncio
 import os
 import signal
+import socket
 import stat
 from collections.abc import AsyncGenerator
 from contextlib import asynccontextmanager
@@ -10,19 +11,26 @@ from pathlib import Path
 
 import pytest
 import redis.asyncio
+from redis.asyncio.retry import Retry
+from redis.backoff import NoBackoff
 
 from launcher.child import Child, ChildSpec
 from launcher.errors import LauncherError
 from launcher.redis_server import (
     LONGEST_SOCKET_PATH,
+    OWN_USER,
+    Opening,
     data_folder,
     find_redis_server,
+    own_password,
     prepare_folders,
+    private_url,
     redis_argv,
     redis_url,
     shown_url,
     socket_path,
     wait_for_redis,
+    write_users,
 )
 from launcher.supervisor import Supervisor
 from protocol.clock import SystemClock
@@ -30,8 +38,12 @@ from protocol.messages import ProcessState
 
 
 @asynccontextmanager
-async def private_redis(state: Path, restarted: asyncio.Event | None = None) -> AsyncGenerator[Child]:
+async def private_redis(
+    state: Path, restarted: asyncio.Event | None = None, opening: Opening | None = None
+) -> AsyncGenerator[Child]:
     prepare_folders(state)
+    if opening is not None:
+        write_users(state)
     clock = SystemClock()
 
     def changed(state: ProcessState) -> None:
@@ -39,9 +51,9 @@ async def private_redis(state: Path, restarted: asyncio.Event | None = None) -> 
             restarted.set()
 
     async with Supervisor(state / "logs", clock, lambda name, line: None, changed) as supervisor:
-        argv = redis_argv(find_redis_server(), state)
+        argv = redis_argv(find_redis_server(), state, opening)
         child = supervisor.start(ChildSpec("redis", argv, os.environ, state, ends_last=True))
-        await wait_for_redis(redis_url(socket_path(state)), clock, 10.0)
+        await wait_for_redis(private_url(state, opened=opening is not None), clock, 10.0)
         yield child
 
 
@@ -108,3 +120,29 @@ async def test_a_redis_that_does_not_answer_is_named_without_its_password() -> N
     with pytest.raises(LauncherError, match=r"Redis at redis://127\.0\.0\.1:1/0 does not answer"):
         await wait_for_redis("redis://user:secret@127.0.0.1:1/0", SystemClock(), 0.1)
     assert shown_url("redis://:p@ss@redis:6379/0") == "redis://redis:6379/0"
+
+
+async def test_opened_to_robots_it_lets_nobody_in_without_a_password(tmp_path: Path) -> None:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = int(probe.getsockname()[1])
+    restarted = asyncio.Event()
+    async with private_redis(tmp_path, restarted, Opening("127.0.0.1", port)) as child:
+        password = own_password(tmp_path)
+        for url in (f"redis://127.0.0.1:{port}", redis_url(socket_path(tmp_path))):
+            async with redis.asyncio.Redis.from_url(url, retry=Retry(NoBackoff(), 0)) as stranger:
+                with pytest.raises(redis.AuthenticationError):
+                    await stranger.get("x")
+        async with redis.asyncio.Redis(port=port, username=OWN_USER, password=password) as own:
+            assert await own.set("x", "1")
+            assert await own.config_get("bind") == {"bind": "127.0.0.1"}
+        assert child.state.pid is not None
+        os.kill(child.state.pid, signal.SIGKILL)
+        await asyncio.wait_for(restarted.wait(), 10.0)
+        await wait_for_redis(private_url(tmp_path, opened=True), SystemClock(), 10.0)
+        async with redis.asyncio.Redis.from_url(private_url(tmp_path, opened=True)) as own:
+            assert await own.get("x") == b"1"
+    secrets = (tmp_path / "redis.password", data_folder(tmp_path) / "users.acl")
+    assert all(stat.S_IMODE(path.stat().st_mode) == 0o600 for path in secrets)
+    assert password not in secrets[1].read_text()
+    assert password not in shown_url(private_url(tmp_path, opened=True))

@@ -23,10 +23,10 @@ from protocol.datagram import (
 from protocol.errors import DecodeError
 from protocol.messages import DriveSetpoint, Odometry, Registration, Status, TrackedPose
 
-finite = st.floats(allow_nan=False, allow_infinity=False)
+finite = st.floats(-1e9, 1e9)
 u64 = st.integers(0, 2**64 - 1)
 names = st.from_regex(r"[a-z0-9][a-z0-9_-]{0,31}", fullmatch=True)
-stamps = st.integers(0, 2**63 - 1)
+stamps = st.integers(0, 9 * 10**18 - 1)
 poses = st.builds(
     TrackedPose,
     vehicle=names,
@@ -54,7 +54,7 @@ statuses = st.builds(
     battery=st.none() | st.floats(0, 1),
     faults=st.lists(st.text(max_size=20), max_size=3).map(tuple),
 )
-drives = st.builds(DriveSetpoint, vehicle=names, sequence=u64, linear_mps=finite, angular_radps=finite)
+drives = st.builds(DriveSetpoint, vehicle=names, sequence=stamps, linear_mps=finite, angular_radps=finite)
 odometries = st.builds(
     Odometry,
     vehicle=names,

@@ -2,6 +2,7 @@
 
 import asyncio
 import json
+import random
 import socket
 from collections.abc import Iterator
 from typing import Any
@@ -9,13 +10,16 @@ from typing import Any
 import pytest
 import redis
 
+from protocol.bus import Bus
 from protocol.channels import STATUSES
 from protocol.clock import SystemClock
 from protocol.datagram import Datagram, Sequencer, pack
 from protocol.messages import Status
+from server.status_listener import StatusListener
+from tests.mutations import mutated
 from tests.redis_fixture import RedisServer
 from tests.server.samples import pose, status
-from tests.server.service import ROBOT, Service, served, until
+from tests.server.service import ROBOT, Service, gulliver, served, until
 
 CLOCK = SystemClock()
 KEY = b"0123456789abcdef"
@@ -169,3 +173,23 @@ async def test_it_goes_on_after_redis_was_away(redis_server: RedisServer) -> Non
             return ROBOT in await _kept(service)
 
         await until(kept)
+
+
+async def test_ten_thousand_mutated_datagrams_are_counted_and_without_effect(redis_url: str) -> None:
+    rng, bus = random.Random(3), Bus.connect(redis_url)
+    listener = StatusListener(bus, gulliver(), CLOCK, KEY)
+    publishing = asyncio.ensure_future(listener.run())
+    good = pack(Datagram(ROBOT, 1, CLOCK.now_ns(), status(ROBOT, CLOCK.now_ns())), KEY)
+    for _ in range(10_000):
+        listener.datagram_received(mutated(good, rng), ("127.0.0.1", 9))
+    listener.datagram_received(pack(Datagram(ROBOT, 2, CLOCK.now_ns(), status(ROBOT, CLOCK.now_ns(), 2)), KEY), ("", 9))
+
+    async def kept() -> bool:
+        return [found.sequence for found in (await bus.latest_all(STATUSES)).values()] == [2]
+
+    await until(kept)
+    counted = listener.view()
+    assert (counted.received, counted.undecodable, counted.accepted) == (10_001, 10_000, 1)
+    publishing.cancel()
+    await asyncio.wait({publishing})
+    await bus.close()

@@ -1961,7 +1961,7 @@ export interface components {
         /**
          * Ports
          * @description Where the system listens: HTTP of the console and API, UDP from robots, the loopback-only port of the 3D scene,
-         *     and UDP of the simulated lab's vehicles.
+         *     and UDP of the simulated lab's vehicles. `redis` opens the private Redis to robots that speak GPSS (none: closed).
          */
         Ports: {
             /**
@@ -1984,6 +1984,8 @@ export interface components {
              * @default 2030
              */
             lab_udp: number;
+            /** Redis */
+            redis?: number | null;
         };
         /**
          * PoseView
@@ -2254,6 +2256,36 @@ export interface components {
          * @enum {string}
          */
         Role: "viewer" | "operator" | "admin" | "robot";
+        /**
+         * Ros2Base
+         * @description Where on ROS 2 a vehicle with driver `ros2` is: the namespace of its topics (none: the vehicle's id, dashes as
+         *     underscores, after `robot_` if it begins with a digit) and the DDS domain (none: ROS_DOMAIN_ID). `scan` says whether it has a
+         *     laser scanner; `scan_pose` is the scanner's x, y (m) and yaw (rad) seen from the rotation centre.
+         */
+        Ros2Base: {
+            /** Namespace */
+            namespace?: string | null;
+            /** Domain */
+            domain?: number | null;
+            /**
+             * Scan
+             * @default true
+             */
+            scan: boolean;
+            /**
+             * Scan Pose
+             * @default [
+             *       0,
+             *       0,
+             *       0
+             *     ]
+             */
+            scan_pose: [
+                number,
+                number,
+                number
+            ];
+        };
         /**
          * Route
          * @description Ordered legs, driven once or looped.
@@ -2650,6 +2682,7 @@ export interface components {
              *     }
              */
             obstacle_box: components["schemas"]["ObstacleBox"];
+            ros2?: components["schemas"]["Ros2Base"] | null;
         };
         /**
          * VehicleTag
@@ -2803,6 +2836,7 @@ export type RobotSettings = components['schemas']['RobotSettings'];
 export type RobotState = components['schemas']['RobotState'];
 export type RobotView = components['schemas']['RobotView'];
 export type Role = components['schemas']['Role'];
+export type Ros2Base = components['schemas']['Ros2Base'];
 export type Route = components['schemas']['Route'];
 export type RunState = components['schemas']['RunState'];
 export type RunTimingsView = components['schemas']['RunTimingsView'];

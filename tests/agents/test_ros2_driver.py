@@ -1,0 +1,202 @@
+"""The ROS 2 driver where it is not like every other: sessions, scans, clocks, and what strangers send."""
+
+import math
+import random
+from collections.abc import AsyncIterator
+from dataclasses import replace
+from typing import Any
+
+import pytest
+from cyclonedds._clayer import ddspy_write  # the bytes themselves, which the public interface does not let one choose
+from cyclonedds.domain import DomainParticipant
+from cyclonedds.pub import DataWriter
+from cyclonedds.topic import Topic
+
+from agents.drivers import DriverError, OdometryReading, Ros2DriverConfig
+from agents.drivers.ros2.driver import Ros2Driver
+from agents.drivers.ros2.scan import front_range_m
+from agents.motion import Twist
+from geometry import SE2
+from protocol.clock import SystemClock
+from protocol.lab import load_lab
+from protocol.ros2.interfaces import LaserScan
+from tests.agents.ros_base import RosBase
+from tests.agents.waiting import until
+from tests.loopback_dds import domain_of_this_run, stay_on_loopback
+from tests.ros2_types import RELIABLE, Odom, odom, scan
+
+VEHICLE = load_lab("labs/gulliver.yaml").vehicle("wifibot-14")
+INF = math.inf
+
+
+def config(**changes: Any) -> Ros2DriverConfig:
+    found = Ros2DriverConfig.of(VEHICLE, {"ROS_DOMAIN_ID": str(domain_of_this_run())})
+    return replace(found, namespace="robot_15", **changes)
+
+
+class Pair:
+    """A driver and its base."""
+
+    def __init__(self, **changes: Any) -> None:
+        stay_on_loopback()
+        self.base = RosBase("robot_15", domain_of_this_run())
+        self.driver = Ros2Driver(config(**changes), SystemClock())
+
+    async def open(self) -> None:
+        await self.base.start()
+        await self.driver.connect()
+        await until(lambda: self.reading() is not None, "odometry")
+
+    def reading(self) -> OdometryReading | None:
+        try:
+            return self.driver.read_odometry(0.2)
+        except DriverError:
+            return None
+
+    def read(self) -> OdometryReading:
+        return self.driver.read_odometry(1.0)
+
+
+@pytest.fixture
+async def pair() -> AsyncIterator[Pair]:
+    made = Pair()
+    await made.open()
+    yield made
+    await made.driver.close()
+    await made.base.stop()
+
+
+def test_the_config_is_the_lab_file_s() -> None:
+    found = Ros2DriverConfig.of(VEHICLE, {})
+    assert (found.namespace, found.domain, found.scan) == ("wifibot_14", 0, True)
+    assert (found.front_m, found.half_width_m) == (0.15, 0.16)
+    assert found.limits == VEHICLE.limits
+
+
+async def test_a_base_that_restarts_begins_another_session(pair: Pair) -> None:
+    first = pair.read()
+    pair.base.restart()
+    await until(lambda: pair.read().session != first.session, "another session")
+
+
+async def test_odometry_that_is_set_anew_begins_another_session(pair: Pair) -> None:
+    def moved() -> bool:
+        pair.driver.send_twist(Twist(0.3, 0.0))
+        return pair.read().pose.x > 0.05
+
+    first = pair.read()
+    await until(moved, "motion")
+    assert pair.read().session == first.session, "driving is no jump"
+    pair.base.plant.odometry = SE2(-3.0, 0.0, 0.0)
+    await until(lambda: pair.read().pose.x < -2.0, "the jump")
+    assert pair.read().session != first.session
+
+
+async def test_what_the_scanner_sees_ahead_is_told(pair: Pair) -> None:
+    assert pair.read().front_range_m is None
+    pair.base.ranges[180] = 0.50  # straight ahead: the turn begins at -pi
+    await until(lambda: pair.read().front_range_m is not None, "something ahead")
+    assert pair.read().front_range_m == pytest.approx(0.35, abs=0.01)
+
+
+async def test_a_scanner_that_falls_silent_is_a_fault(pair: Pair) -> None:
+    await until(lambda: pair.reading() is not None and pair.driver.faults() == (), "scans")
+    pair.base.scans = False
+
+    def told() -> bool:
+        pair.reading()
+        return any("the scanner on /robot_15/scan says nothing for" in fault for fault in pair.driver.faults())
+
+    await until(told, "a fault")
+
+
+async def test_a_vehicle_without_a_scanner_needs_none() -> None:
+    pair = Pair(scan=False)
+    pair.base.scans = False
+    await pair.open()
+    assert pair.driver.faults() == ()
+    assert pair.read().front_range_m is None
+    await pair.driver.close()
+    await pair.base.stop()
+
+
+async def test_a_base_whose_clock_is_wrong_is_a_fault(pair: Pair) -> None:
+    pair.base.clock_offset_ns = 5_000_000_000
+
+    def told() -> bool:
+        pair.reading()
+        return any("clock is 5.0 s ahead" in fault for fault in pair.driver.faults())
+
+    await until(told, "a fault")
+
+
+async def test_numbers_that_are_none_are_dropped_and_counted(pair: Pair) -> None:
+    await pair.base.stop()
+    pair.read()
+    before = pair.driver.rejected
+    pair.base.say_odometry(x=math.nan)
+    pair.base.say_odometry(x=INF)
+
+    def dropped() -> bool:
+        pair.read()
+        return pair.driver.rejected == before + 2
+
+    await until(dropped, "two rejected samples")
+    assert math.isfinite(pair.read().pose.x)
+
+
+async def test_broken_bytes_of_a_stranger_change_nothing(pair: Pair) -> None:
+    """A thousand mutated samples: each is odometry, or counted and dropped; none is an exception, none is not finite."""
+    await pair.base.stop()
+    participant = DomainParticipant(domain_of_this_run())
+    stranger: DataWriter[Odom] = DataWriter(participant, Topic(participant, "rt/robot_15/odom", Odom), qos=RELIABLE)
+    good = odom(SystemClock().now_ns(), 0.1, 0.2, 0.3, 0.0, 0.0).serialize(use_version_2=False)
+    stranger.write(odom(SystemClock().now_ns(), 7.0, 0.0, 0.0, 0.0, 0.0))
+    await until(lambda: pair.read().pose.x == 7.0, "the stranger is heard")
+    rng = random.Random(5)
+    for _ in range(1000):
+        data = bytearray(good)
+        if rng.random() < 0.3:
+            del data[rng.randrange(4, len(data)) :]
+        for _ in range(rng.randrange(1, 6)):
+            data[rng.randrange(4, len(data)) if len(data) > 4 else 3] = rng.randrange(256)
+        data += bytes(-len(data) % 4)
+        ddspy_write(stranger._ref, bytes(data))  # pyright: ignore[reportPrivateUsage]
+        reading = pair.driver.read_odometry(60.0)
+        assert all(math.isfinite(n) for n in (reading.pose.x, reading.pose.y, reading.twist.linear_mps))
+    assert pair.driver.rejected > 0
+
+
+AHEAD = {"T_robot_scanner": SE2.identity(), "front_m": 0.2, "half_width_m": 0.15}
+
+
+def seen(ranges: list[float], **changes: Any) -> float | None:
+    message: Any = scan(0, ranges)
+    return front_range_m(message, config(**(AHEAD | changes)))
+
+
+def only(index: int, distance_m: float) -> list[float]:
+    return [distance_m if i == index else INF for i in range(360)]
+
+
+def test_front_range_is_measured_from_the_robot_s_front_in_its_lane() -> None:
+    assert seen(only(180, 1.0)) == pytest.approx(0.8, abs=1e-3)
+    assert seen(only(180 + 10, 1.0)) is None, "17 cm beside the middle: it passes"
+    assert seen(only(180 + 10, 0.8)) == pytest.approx(0.8 * math.cos(math.radians(10)) - 0.2, abs=0.01)
+    assert seen(only(0, 0.3)) is None, "behind"
+    assert seen(only(180, 0.1)) is None, "the robot itself"
+    assert seen(only(180, 0.19)) == 0.0, "touches"
+    assert seen(only(180, 20.0)) is None, "beyond what it can measure"
+    assert seen([math.nan] * 360) is None
+    assert seen([-1.0] * 360) is None
+
+
+def test_the_scanner_s_own_place_and_direction_count() -> None:
+    turned = SE2(0.1, 0.0, math.pi / 2)  # its 0 points to the robot's left
+    assert seen(only(90, 1.0), T_robot_scanner=turned) == pytest.approx(0.9, abs=0.01)
+    assert seen(only(180, 1.0), T_robot_scanner=turned) is None
+
+
+def test_a_scan_is_read_from_bytes_of_others() -> None:
+    data = scan(5, only(180, 1.0)).serialize(use_version_2=False)
+    assert front_range_m(LaserScan.deserialize(data), config(**AHEAD)) == pytest.approx(0.8, abs=1e-3)
