@@ -137,7 +137,7 @@ class EkfEstimator:
             return self._refuse(Refused(at_ns, T_odom_robot, seen, covariance), pose.stamp_ns)
         self._watch.add_used(found.nis)
         self._recovery.clear()
-        self.noise.learn(found.difference, found.covariance, found.slopes)
+        self.noise.learn(found.difference, found.covariance, found.difference_slopes, found.slopes)
         self._insert(_Node(at_ns, T_odom_robot, belief, sight))
         self._camera_stamp_ns = max(pose.stamp_ns, self._camera_stamp_ns or pose.stamp_ns)
         return True

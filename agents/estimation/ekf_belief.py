@@ -13,10 +13,12 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Belief:
-    """State (7,), its covariance (7, 7), and the covariance's derivatives by the logarithms of the noises' scales (3, 7, 7)."""
+    """State (7,), its covariance (7, 7), and the derivatives of both by the logarithms of the noises' scales, (3, 7) and
+    (3, 7, 7)."""
 
     mean: Array
     covariance: Array
+    mean_slopes: Array
     slopes: Array
 
     @classmethod
@@ -25,7 +27,7 @@ class Belief:
         whole = np.zeros((SIZE, SIZE))
         whole[:3, :3] = covariance
         whole[LINEAR:, LINEAR:] = constants_covariance
-        return cls(np.concatenate([pose, constants]), whole, np.zeros((SCALES, SIZE, SIZE)))
+        return cls(np.concatenate([pose, constants]), whole, np.zeros((SCALES, SIZE)), np.zeros((SCALES, SIZE, SIZE)))
 
     @property
     def is_sound(self) -> bool:
@@ -47,16 +49,17 @@ def predicted(belief: Belief, motion: Motion, noise: NoiseModel) -> Belief:
     covariance[range(LINEAR, SIZE), range(LINEAR, SIZE)] += constants
     slopes = by_state @ belief.slopes @ by_state.T
     slopes[: len(parts), :3, :3] += parts
-    return Belief(moved(belief.mean, motion), _symmetric(covariance), slopes)
+    return Belief(moved(belief.mean, motion), _symmetric(covariance), belief.mean_slopes @ by_state.T, slopes)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Innovation:
-    """What a sight says against a belief: the difference (3,), its covariance (3, 3) and that one's slopes (3, 3, 3) by the
-    scales; `nis` is the normalised innovation squared, chi-square with 3 degrees of freedom when all is well."""
+    """What a sight says against a belief: the difference (3,), its covariance (3, 3), and the slopes of both by the scales,
+    (3, 3) and (3, 3, 3); `nis` is the normalised innovation squared, chi-square with 3 degrees of freedom when all is well."""
 
     difference: Array
     covariance: Array
+    difference_slopes: Array
     slopes: Array
     nis: float
 
@@ -69,7 +72,8 @@ def innovation(belief: Belief, sight: Sight, noise: NoiseModel) -> Innovation:
     slopes = sees @ belief.slopes @ sees.T
     slopes[CAMERA] += noise.scales[CAMERA] * sight.covariance
     difference = sight.innovation(belief.mean)
-    return Innovation(difference, covariance, slopes, float(difference @ np.linalg.solve(covariance, difference)))
+    nis = float(difference @ np.linalg.solve(covariance, difference))
+    return Innovation(difference, covariance, -belief.mean_slopes @ sees.T, slopes, nis)
 
 
 def updated(belief: Belief, sight: Sight, noise: NoiseModel) -> Belief:
@@ -79,11 +83,18 @@ def updated(belief: Belief, sight: Sight, noise: NoiseModel) -> Belief:
     covariance = _symmetric(sees @ belief.covariance @ sees.T + camera)
     gain = np.linalg.solve(covariance, sees @ belief.covariance).T
     keeps = np.eye(SIZE) - gain @ sees
+    difference = sight.innovation(belief.mean)
+    weighed = np.linalg.solve(covariance, difference)
+    claimed = noise.scales[CAMERA] * sight.covariance
+    # The gain's own slope: K = P H^T S^-1, hence dK = ((I - K H) dP H^T - K dR) S^-1.
+    mean_slopes = belief.mean_slopes @ keeps.T + (keeps @ belief.slopes @ sees.T) @ weighed
+    mean_slopes[CAMERA] -= gain @ claimed @ weighed
     slopes = keeps @ belief.slopes @ keeps.T
-    slopes[CAMERA] += noise.scales[CAMERA] * (gain @ sight.covariance @ gain.T)
+    slopes[CAMERA] += gain @ claimed @ gain.T
     return Belief(
-        corrected(belief.mean, gain @ sight.innovation(belief.mean)),
+        corrected(belief.mean, gain @ difference),
         _symmetric(keeps @ belief.covariance @ keeps.T + gain @ camera @ gain.T),
+        mean_slopes,
         slopes,
     )
 

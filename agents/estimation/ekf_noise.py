@@ -105,13 +105,15 @@ class NoiseModel:
         floor = np.square([self.config.camera_floor_m, self.config.camera_floor_m, self.config.camera_floor_rad])
         return self.scales[CAMERA] * covariance + np.diag(floor)
 
-    def learn(self, innovation: Array, covariance: Array, slopes: Array) -> None:
-        """From an innovation (3,), its covariance (3, 3) and that one's derivatives by the scales' logarithms (3, 3, 3)."""
+    def learn(self, difference: Array, covariance: Array, difference_slopes: Array, slopes: Array) -> None:
+        """From an innovation (3,) and its covariance (3, 3), with their derivatives by the scales' logarithms, (3, 3) and
+        (3, 3, 3)."""
         inverse = np.linalg.inv(covariance)
-        whitened = inverse @ innovation
+        whitened = inverse @ difference
         shares = inverse @ slopes
         score = 0.5 * (np.einsum("i,kij,j->k", whitened, slopes, whitened) - np.einsum("kii->k", shares))
-        fisher = 0.5 * np.einsum("kij,lji->kl", shares, shares)
+        score -= difference_slopes @ whitened
+        fisher = 0.5 * np.einsum("kij,lji->kl", shares, shares) + difference_slopes @ inverse @ difference_slopes.T
         self._information = self._keep * self._information + fisher
         score -= (1.0 - self._keep) * self._prior @ self._log
         step = np.linalg.solve(self._information + self._prior, score)
