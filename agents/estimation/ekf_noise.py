@@ -20,6 +20,8 @@ Array = NDArray[np.float64]
 WAY, TURN, CAMERA = range(3)
 SCALES = 3
 _SHORTEST_S = 1e-3
+_FARTHEST_LOG = math.log(3000.0)
+_LONGEST_STEP = 0.3
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,10 +36,10 @@ class NoiseConfig:
     `memory` is the number of poses that learning reaches back.
     """
 
-    way_share: float = 0.01
-    aside_share: float = 0.003
-    turn_share: float = 0.03
-    turn_per_m: float = 0.04
+    way_share: float = 0.02
+    aside_share: float = 0.005
+    turn_share: float = 0.05
+    turn_per_m: float = 0.05
     holds_s: float = 0.5
     rest_m: float = 0.0005
     rest_rad: float = 0.001
@@ -117,5 +119,5 @@ class NoiseModel:
         self._information = self._keep * self._information + fisher
         score -= (1.0 - self._keep) * self._prior @ self._log
         step = np.linalg.solve(self._information + self._prior, score)
-        self._log = np.clip(self._log + np.clip(step, -0.3, 0.3), -math.log(100.0), math.log(100.0))
+        self._log = np.clip(self._log + np.clip(step, -_LONGEST_STEP, _LONGEST_STEP), -_FARTHEST_LOG, _FARTHEST_LOG)
         self.scales = np.exp(self._log)
