@@ -10,6 +10,7 @@ robot"). It is also the example of how a robot takes part:
 
 import asyncio
 import logging
+import math
 import secrets
 from contextlib import AsyncExitStack, suppress
 from dataclasses import dataclass, field
@@ -39,6 +40,8 @@ from protocol.messages import Command, EmergencyStop, TrackedPose
 
 CONTROL_RATE_HZ = 20.0
 STATUS_RATE_HZ = 10.0
+CONSISTENCY_EVERY_S = 60.0
+CONSISTENCY_TOLD_EVERY_S = 600.0
 STARTING_S = 5.0
 """A base that has not spoken this early is still starting: no fault yet."""
 _logger = logging.getLogger(__name__)
@@ -104,6 +107,7 @@ class Agent:
                 tasks.create_task(stream.run())
                 tasks.create_task(responses.run())
                 tasks.create_task(self._report())
+                tasks.create_task(self._watch_estimate())
 
     async def _keep_connected(self) -> None:
         """Connects the driver, and again whenever it lost the base."""
@@ -164,6 +168,19 @@ class Agent:
             )
             self.socket.send_status(status)
             await pacer.wait()
+
+    async def _watch_estimate(self) -> None:
+        """Looks once a minute whether the estimator is as good as it thinks, and says so when it is not, or now and then."""
+        quiet_s = math.inf
+        while True:
+            await self._clock.sleep(CONSISTENCY_EVERY_S)
+            quiet_s += CONSISTENCY_EVERY_S
+            report = self.pilot.consistency()
+            if report is None or report.count == 0:
+                continue
+            if not report.is_consistent or quiet_s >= CONSISTENCY_TOLD_EVERY_S:
+                quiet_s = 0.0
+                _logger.log(logging.INFO if report.is_consistent else logging.WARNING, "pose estimate: %s", report)
 
     def _on_pose(self, pose: TrackedPose) -> None:
         self.pilot.camera_pose(pose, self._clock.now_ns(), self._clock.monotonic_s())

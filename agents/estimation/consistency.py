@@ -26,6 +26,13 @@ class NisReport:
         """Within the band; True as long as there are too few to tell."""
         return self.count < _FEWEST or self.low <= self.mean <= self.high
 
+    def __str__(self) -> str:
+        verdict = "consistent" if self.is_consistent else "NOT consistent"
+        return (
+            f"{verdict}, mean NIS {self.mean:.2f} over {self.count} poses (95 % band {self.low:.2f} to {self.high:.2f}), "
+            f"{self.used} poses used and {self.refused} refused so far"
+        )
+
 
 class NisWatch:
     """Remembers the latest `window` values; those that the gate refused are only counted."""

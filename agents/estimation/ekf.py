@@ -90,6 +90,7 @@ class EkfEstimator:
         self._stamps: deque[int] = deque(maxlen=_STAMPS_KNOWN)
         self._camera_stamp_ns: int | None = None
         self._last_pose: SE2 | None = None
+        self._told: tuple[int, Estimate] | None = None
 
     @property
     def constants(self) -> dict[str, float]:
@@ -104,6 +105,7 @@ class EkfEstimator:
     def add_odometry(self, reading: OdometryReading) -> None:
         if not is_plausible_odometry(reading):
             return
+        self._told = None
         newest = self._history.newest
         if newest is not None:
             if _another_frame(newest, reading):
@@ -123,6 +125,7 @@ class EkfEstimator:
         T_odom_robot = self._history.at(at_ns)
         if T_odom_robot is None or (self._nodes and at_ns < self._nodes[0].stamp_ns):
             return False
+        self._told = None
         self._stamps.append(pose.stamp_ns)
         seen, covariance = np.array([pose.x, pose.y, pose.yaw]), _full(pose.covariance)
         if not self._nodes:
@@ -143,6 +146,11 @@ class EkfEstimator:
         return True
 
     def estimate(self, now_ns: int) -> Estimate:
+        if self._told is None or self._told[0] != now_ns:
+            self._told = (now_ns, self._estimate(now_ns))
+        return self._told[1]
+
+    def _estimate(self, now_ns: int) -> Estimate:
         if not self._nodes or self._camera_stamp_ns is None:
             state = Localization.NEVER if self._last_pose is None else Localization.LOST
             return Estimate(state, self._last_pose, None)

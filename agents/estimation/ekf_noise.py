@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.estimation.ekf_model import LINEAR, SIZE, Motion
+from agents.estimation.ekf_model import LINEAR, Motion
 
 Array = NDArray[np.float64]
 
@@ -74,6 +74,8 @@ class NoiseModel:
             [config.linear_walk, config.angular_walk, config.curvature_walk_radpm, config.delay_walk_s]
         )
 
+        self._at_rest = np.square([config.rest_m, config.rest_m, config.rest_rad])
+
     def constants(self) -> Array:
         """Variances (4,) of linear, angular, curvature and delay at the start."""
         return self._ceiling.copy()
@@ -84,22 +86,22 @@ class NoiseModel:
         # A relative error that holds for T is a random walk with the variance share^2 v^2 T per second.
         lasting = config.holds_s / max(motion.dt_s, _SHORTEST_S)
         way = motion.forward_m**2 + motion.left_m**2
-        along, aside, turn = by_twist[:, 0], by_twist[:, 1], by_twist[:, 2]
-        parts = np.empty((2, 3, 3))
-        parts[WAY] = (self.scales[WAY] * lasting * way) * (
-            config.way_share**2 * np.outer(along, along) + config.aside_share**2 * np.outer(aside, aside)
-        )
-        turn_variance = config.turn_per_m**2 * way + (config.turn_share * motion.turn_rad) ** 2
-        parts[TURN] = (self.scales[TURN] * lasting * turn_variance) * np.outer(turn, turn)
-        at_rest = motion.dt_s * np.array([config.rest_m**2, config.rest_m**2, config.rest_rad**2])
-        return parts[WAY] + parts[TURN] + np.diag(at_rest), parts
+        of_way = self.scales[WAY] * lasting * way
+        of_turn = self.scales[TURN] * lasting
+        variances = np.zeros((2, 3))
+        variances[WAY, :2] = of_way * config.way_share**2, of_way * config.aside_share**2
+        variances[TURN, 2] = of_turn * (config.turn_per_m**2 * way + (config.turn_share * motion.turn_rad) ** 2)
+        parts = (by_twist * variances[:, None, :]) @ by_twist.T
+        added = parts[WAY] + parts[TURN]
+        added[range(3), range(3)] += self._at_rest * motion.dt_s
+        return added, parts
 
     def of_constants(self, motion: Motion, covariance: Array) -> Array:
         """Variances (4,) that a step adds to linear, angular, curvature and delay: only while wheels turn, and never beyond
         what was assumed at the start."""
         if motion.forward_m == 0.0 and motion.turn_rad == 0.0:
             return np.zeros(4)
-        held = np.diag(covariance)[LINEAR:SIZE]
+        held = covariance.diagonal()[LINEAR:]
         return np.clip(self._ceiling - held, 0.0, self._walk * motion.dt_s)
 
     def of_camera(self, covariance: Array) -> Array:

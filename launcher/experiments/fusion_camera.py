@@ -19,9 +19,12 @@ _JITTER = 0.2
 class Camera:
     """`rate_hz` poses a second with Gaussian noise of `sigma_m` in x and in y and `sigma_rad` in yaw, which its covariance
     tells. They arrive after `delay_s`, 20 % more or less at random, so that quick ones overtake; their stamps are late by
-    `stamps_late_s`. A share of `outliers` is anything: off by 0.1 to 2 m (even in the logarithm) in any direction, half of them
-    turned by any angle too; their covariance is that of the others. After each `seen_s` on average (exponential) nothing is seen for 0.5 to
-    `gap_s` seconds; infinite: no gaps."""
+    `stamps_late_s`.
+
+    A share of `outliers` is anything: off by 0.1 to 2 m (even in the logarithm) in any direction, half of them turned by any
+    angle too; they claim the covariance of the others. After each `seen_s` on average (exponential; infinite: no gaps) nothing
+    is seen for 0.5 to `gap_s` seconds.
+    """
 
     rate_hz: float
     delay_s: float

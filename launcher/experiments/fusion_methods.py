@@ -19,18 +19,18 @@ from agents.estimation import (
 from geometry import SE2, angle_difference
 from protocol.messages import TrackedPose
 
-METHODS = ("odometry", "camera", "report", "exponential", "ekf")
 _REPORT_WEIGHT = 0.35
+_NO_DELAY = EkfConfig(noise=NoiseConfig(delay_sigma_s=0.0, delay_walk_s=0.0))
 
 
 class Method(Protocol):
     """Told of odometry and of each camera pose at the moment it arrives, asked for the pose at the moment of asking."""
 
-    def odometry(self, reading: OdometryReading) -> None: ...
+    def odometry(self, reading: OdometryReading, /) -> None: ...
 
-    def camera(self, pose: TrackedPose, now_ns: int) -> None: ...
+    def camera(self, pose: TrackedPose, now_ns: int, /) -> None: ...
 
-    def estimate(self, now_ns: int) -> Estimate: ...
+    def estimate(self, now_ns: int, /) -> Estimate: ...
 
 
 class OdometryOnly:
@@ -45,10 +45,10 @@ class OdometryOnly:
         self._first = self._first or reading.pose
         self._newest = reading.pose
 
-    def camera(self, pose: TrackedPose, now_ns: int) -> None:
+    def camera(self, _pose: TrackedPose, _now_ns: int) -> None:
         pass
 
-    def estimate(self, now_ns: int) -> Estimate:
+    def estimate(self, _now_ns: int) -> Estimate:
         if self._first is None or self._newest is None:
             return Estimate(Localization.NEVER, None, None)
         return Estimate(Localization.ALIGNED, self._start @ self._first.between(self._newest), None)
@@ -60,14 +60,14 @@ class CameraOnly:
     def __init__(self) -> None:
         self._newest: TrackedPose | None = None
 
-    def odometry(self, reading: OdometryReading) -> None:
+    def odometry(self, _reading: OdometryReading) -> None:
         pass
 
-    def camera(self, pose: TrackedPose, now_ns: int) -> None:
+    def camera(self, pose: TrackedPose, _now_ns: int) -> None:
         if self._newest is None or pose.stamp_ns > self._newest.stamp_ns:
             self._newest = pose
 
-    def estimate(self, now_ns: int) -> Estimate:
+    def estimate(self, _now_ns: int) -> Estimate:
         pose = self._newest
         if pose is None:
             return Estimate(Localization.NEVER, None, None)
@@ -105,7 +105,7 @@ class Reported:
             yaw + _REPORT_WEIGHT * angle_difference(seen.yaw, yaw),
         )
 
-    def estimate(self, now_ns: int) -> Estimate:
+    def estimate(self, _now_ns: int) -> Estimate:
         return Estimate(Localization.NEVER if self._pose is None else Localization.ALIGNED, self._pose, self._stamp_ns)
 
 
@@ -126,17 +126,14 @@ class Fused:
         return self.estimator.estimate(now_ns)
 
 
-def makers(reference: Reference) -> dict[str, Callable[[SE2], Method]]:
-    """How each method is made for a run that starts at a pose; `reference` is whose stamps tell the time."""
-    return {
-        "odometry": OdometryOnly,
-        "camera": lambda _: CameraOnly(),
-        "report": lambda _: Reported(),
-        "exponential": lambda _: Fused(ExponentialFilter()),
-        "ekf": lambda _: Fused(EkfEstimator(EkfConfig(reference=reference))),
-    }
-
-
-def uncompensated() -> Method:
-    """The Kalman filter without any regard to delay: neither stamps nor their estimate."""
-    return Fused(EkfEstimator(EkfConfig(noise=NoiseConfig(delay_sigma_s=0.0, delay_walk_s=0.0))), compensated=False)
+MAKERS: dict[str, Callable[[SE2], Method]] = {
+    "odometry": OdometryOnly,
+    "camera": lambda _: CameraOnly(),
+    "report": lambda _: Reported(),
+    "exponential": lambda _: Fused(ExponentialFilter()),
+    "ekf": lambda _: Fused(EkfEstimator()),
+    "ekf_camera_time": lambda _: Fused(EkfEstimator(EkfConfig(reference=Reference.CAMERA))),
+    "ekf_uncompensated": lambda _: Fused(EkfEstimator(_NO_DELAY), compensated=False),
+}
+"""How each method is made for a run that starts at a pose. `ekf_camera_time` takes the camera's clock for right where the
+streams disagree; `ekf_uncompensated` knows neither capture times nor an estimate of the delay."""

@@ -1,8 +1,6 @@
 """What fusion is tried on: a robot's odometry with the truth beside it, from the simulated lab or from recorded files."""
 
 import gzip
-import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -83,17 +81,33 @@ def simulated(lab: Lab, speed_mps: float, seed: int, seconds: float) -> Run:
     return Run(f"simulated {speed_mps} m/s, seed {seed}", start_ns, tuple(odometry), table[:, 0], table[:, 1:])
 
 
-def recorded(folder: Path) -> Iterator[Run]:
-    """The runs of the UTIAS multi-robot data set (Leung et al. 2011) in a folder: each `*_Odometry.dat` with its
-    `*_Groundtruth.dat`, compressed or not. UsageError when there is none or a file is not of that kind."""
-    found = sorted(path for path in folder.rglob("*_Odometry.dat*") if path.suffix in (".dat", ".gz"))
-    pairs = [(path, path.with_name(path.name.replace("_Odometry", "_Groundtruth"))) for path in found]
-    pairs = [(odometry, _either(truth)) for odometry, truth in pairs]
-    if not pairs:
-        raise UsageError(f"no RobotN_Odometry.dat[.gz] in {folder}")
-    for odometry, truth in pairs:
-        name = str(odometry.relative_to(folder)).split("_Odometry")[0]
-        yield _joined(name, _table(odometry, 3), _table(truth, 4))
+@dataclass(frozen=True, slots=True)
+class Recording:
+    """A recorded run: files of odometry and of the truth."""
+
+    name: str
+    odometry: Path
+    truth: Path
+
+    def load(self) -> Run:
+        """UsageError when the files are not of that kind."""
+        return _joined(self.name, _table(self.odometry, 3), _table(self.truth, 4))
+
+
+def recordings(folder: Path) -> list[Recording]:
+    """The runs of the UTIAS multi-robot data set (Leung et al. 2011) in a folder and those in it: each `*_Odometry.dat` with
+    its `*_Groundtruth.dat`, compressed or not. UsageError when there is none."""
+    found = sorted(path for path in folder.rglob("*_Odometry.dat*") if path.name.endswith((".dat", ".dat.gz")))
+    if not found:
+        raise UsageError(f"no RobotN_Odometry.dat or .dat.gz in {folder}")
+    return [
+        Recording(
+            str(path.relative_to(folder)).split("_Odometry")[0],
+            path,
+            _either(path.with_name(path.name.replace("_Odometry", "_Groundtruth"))),
+        )
+        for path in found
+    ]
 
 
 def _either(path: Path) -> Path:
@@ -137,12 +151,3 @@ def _joined(name: str, odometry: Array, truth: Array) -> Run:
     poses = truth[:, 1:].copy()
     poses[:, 2] = np.unwrap(poses[:, 2])
     return Run(name, start_ns, tuple(readings), truth[:, 0] - start_s, poses)
-
-
-def speed_of(run: Run) -> float:
-    """Its median speed while driving (m/s), by the truth."""
-    seconds = np.arange(0.5, run.duration_s - 0.5, 0.5)
-    way = np.diff(run.truth(seconds)[:, :2], axis=0)
-    speeds = np.hypot(way[:, 0], way[:, 1]) / 0.5
-    driving = speeds[np.isfinite(speeds) & (speeds > 0.01)]
-    return float(np.median(driving)) if len(driving) else math.nan
