@@ -10,11 +10,11 @@ robot"). It is also the example of how a robot takes part:
 
 import asyncio
 import logging
-import math
 import secrets
 from contextlib import AsyncExitStack, suppress
 from dataclasses import dataclass, field
 
+from agents.consistency_log import ConsistencyLog
 from agents.control import CONTROLLERS, DEFAULT_CONTROLLER
 from agents.drivers import Driver, DriverError
 from agents.estimation import DEFAULT_ESTIMATOR, ESTIMATORS
@@ -40,8 +40,6 @@ from protocol.messages import Command, EmergencyStop, TrackedPose
 
 CONTROL_RATE_HZ = 20.0
 STATUS_RATE_HZ = 10.0
-CONSISTENCY_EVERY_S = 60.0
-CONSISTENCY_TOLD_EVERY_S = 600.0
 STARTING_S = 5.0
 """A base that has not spoken this early is still starting: no fault yet."""
 _logger = logging.getLogger(__name__)
@@ -107,7 +105,6 @@ class Agent:
                 tasks.create_task(stream.run())
                 tasks.create_task(responses.run())
                 tasks.create_task(self._report())
-                tasks.create_task(self._watch_estimate())
 
     async def _keep_connected(self) -> None:
         """Connects the driver, and again whenever it lost the base."""
@@ -156,6 +153,7 @@ class Agent:
 
     async def _report(self) -> None:
         pacer = Pacer(self._clock, STATUS_RATE_HZ)
+        consistency = ConsistencyLog(self.pilot, self._clock.monotonic_s())
         while True:
             trouble = self._base_trouble.text
             status = self.pilot.status(
@@ -167,20 +165,8 @@ class Agent:
                 faults=() if trouble is None else (trouble,),
             )
             self.socket.send_status(status)
+            consistency.look(self._clock.monotonic_s())
             await pacer.wait()
-
-    async def _watch_estimate(self) -> None:
-        """Looks once a minute whether the estimator is as good as it thinks, and says so when it is not, or now and then."""
-        quiet_s = math.inf
-        while True:
-            await self._clock.sleep(CONSISTENCY_EVERY_S)
-            quiet_s += CONSISTENCY_EVERY_S
-            report = self.pilot.consistency()
-            if report is None or report.count == 0:
-                continue
-            if not report.is_consistent or quiet_s >= CONSISTENCY_TOLD_EVERY_S:
-                quiet_s = 0.0
-                _logger.log(logging.INFO if report.is_consistent else logging.WARNING, "pose estimate: %s", report)
 
     def _on_pose(self, pose: TrackedPose) -> None:
         self.pilot.camera_pose(pose, self._clock.now_ns(), self._clock.monotonic_s())

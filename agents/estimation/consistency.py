@@ -7,11 +7,13 @@ from dataclasses import dataclass
 
 _DIMENSION = 3
 _FEWEST = 30
+_QUANTILE = 3.290527
+"""Of the normal distribution, at 99.95 %."""
 
 
 @dataclass(frozen=True, slots=True)
 class NisReport:
-    """`mean` of the latest `count` NIS of a pose (3 when covariances are right), the 95 % band `low` to `high` of such a mean,
+    """`mean` of the latest `count` NIS of a pose (3 when covariances are right), `low` and `high` around 99.9 % of such means,
     and how many poses were used and refused by the gate since the start."""
 
     mean: float
@@ -29,7 +31,7 @@ class NisReport:
     def __str__(self) -> str:
         verdict = "consistent" if self.is_consistent else "NOT consistent"
         return (
-            f"{verdict}, mean NIS {self.mean:.2f} over {self.count} poses (95 % band {self.low:.2f} to {self.high:.2f}), "
+            f"{verdict}, mean NIS {self.mean:.2f} over {self.count} poses (99.9 % within {self.low:.2f} to {self.high:.2f}), "
             f"{self.used} poses used and {self.refused} refused so far"
         )
 
@@ -56,8 +58,8 @@ class NisWatch:
 
 
 def mean_nis_band(count: int, dimension: int = _DIMENSION) -> tuple[float, float]:
-    """Where the mean of `count` independent NIS lies with 95 %: chi-square quantiles by Wilson and Hilferty (1931)."""
+    """Where the mean of `count` independent NIS lies with 99.9 %: chi-square quantiles by Wilson and Hilferty (1931)."""
     freedom = count * dimension
     spread = math.sqrt(2.0 / (9.0 * freedom))
-    low, high = (dimension * (1.0 - spread**2 + sign * 1.959964 * spread) ** 3 for sign in (-1.0, 1.0))
+    low, high = (dimension * (1.0 - spread**2 + sign * _QUANTILE * spread) ** 3 for sign in (-1.0, 1.0))
     return max(0.0, low), high
