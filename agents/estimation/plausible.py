@@ -7,6 +7,8 @@ from protocol.messages import TrackedPose
 
 _FAR = 1e6
 """Metres, radians; variances too. No floor is larger, and squares of it are far from overflow."""
+_FASTEST = 100.0
+"""m/s and rad/s."""
 _ROUNDING = 1e-6
 
 
@@ -19,9 +21,10 @@ def is_plausible_pose(pose: TrackedPose) -> bool:
 
 
 def is_plausible_odometry(reading: OdometryReading) -> bool:
-    """Near enough; poses and twists are finite by their own constructors."""
-    numbers = (reading.pose.x, reading.pose.y, reading.twist.linear_mps, reading.twist.angular_radps)
-    return all(abs(number) <= _FAR for number in numbers)
+    """Near enough and slow enough; poses and twists are finite by their own constructors."""
+    pose, twist = reading.pose, reading.twist
+    near = abs(pose.x) <= _FAR and abs(pose.y) <= _FAR
+    return near and abs(twist.linear_mps) <= _FASTEST and abs(twist.angular_radps) <= _FASTEST
 
 
 def _is_semidefinite(covariance: tuple[float, float, float, float, float, float]) -> bool:

@@ -10,4 +10,4 @@ ESTIMATORS: dict[str, Callable[[], PoseEstimator]] = {
     "ekf": EkfEstimator,
     "exponential": ExponentialFilter,
 }
-DEFAULT_ESTIMATOR = "exponential"
+DEFAULT_ESTIMATOR = "ekf"
