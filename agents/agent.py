@@ -14,6 +14,7 @@ import secrets
 from contextlib import AsyncExitStack, suppress
 from dataclasses import dataclass, field
 
+from agents.consistency_log import ConsistencyLog
 from agents.control import CONTROLLERS, DEFAULT_CONTROLLER
 from agents.drivers import Driver, DriverError
 from agents.estimation import DEFAULT_ESTIMATOR, ESTIMATORS
@@ -152,6 +153,7 @@ class Agent:
 
     async def _report(self) -> None:
         pacer = Pacer(self._clock, STATUS_RATE_HZ)
+        consistency = ConsistencyLog(self.pilot, self._clock.monotonic_s())
         while True:
             trouble = self._base_trouble.text
             status = self.pilot.status(
@@ -163,6 +165,7 @@ class Agent:
                 faults=() if trouble is None else (trouble,),
             )
             self.socket.send_status(status)
+            consistency.look(self._clock.monotonic_s())
             await pacer.wait()
 
     def _on_pose(self, pose: TrackedPose) -> None:

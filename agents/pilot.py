@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from agents.answering import Answers
 from agents.control import Executor, PathController
 from agents.drivers import OdometryReading
-from agents.estimation import Localization, PoseEstimator
+from agents.estimation import Localization, NisReport, PoseEstimator
 from agents.motion import STOP, Twist
 from agents.safety import CommandGate, EmergencyStopLatch, FrontGuard, Situation, Verdict, why_still
 from protocol.lab import Lab, VehicleSpec
@@ -157,6 +157,10 @@ class Pilot:
             pose_age_s=self._pose_age_s(now_ns, now_s),
             command_age_s=self.gate.age_s(now_s),
         )
+
+    def consistency(self) -> NisReport | None:
+        """How well the estimator's covariances agree with what cameras say; None where it has none."""
+        return self._estimator.consistency()
 
     def _tell_ignored(self, release: EmergencyStop) -> None:
         """One line per epoch: the server repeats what it says, and one overtaken on the way is no fault."""

@@ -5,6 +5,7 @@ from enum import StrEnum
 from typing import Protocol
 
 from agents.drivers.driver import OdometryReading
+from agents.estimation.consistency import NisReport
 from geometry import SE2
 from protocol.messages import TrackedPose
 
@@ -22,11 +23,13 @@ class Localization(StrEnum):
 @dataclass(frozen=True, slots=True)
 class Estimate:
     """T_map_robot, None while the robot was never localized; when LOST it is the last one known. `camera_stamp_ns` is the
-    capture time of the newest camera pose that went in."""
+    capture time of the newest camera pose that went in. `covariance` is the upper triangle, row by row, of that of x, y (m) and
+    yaw (rad) in the map frame; None where the estimator has none."""
 
     localization: Localization
     pose: SE2 | None
     camera_stamp_ns: int | None
+    covariance: tuple[float, float, float, float, float, float] | None = None
 
 
 class PoseEstimator(Protocol):
@@ -38,10 +41,15 @@ class PoseEstimator(Protocol):
         ...
 
     def add_camera_pose(self, pose: TrackedPose) -> bool:
-        """Whether the pose was used: False for one captured before the newest used one, or at a time that odometry does
-        not reach."""
+        """Whether the pose was used. False for one that was given before, at a time that odometry does not reach, with
+        numbers that are none, or that cannot be right; estimators that cannot go back also refuse those captured before
+        the newest used one."""
         ...
 
     def estimate(self, now_ns: int) -> Estimate:
         """What is known for the moment `now_ns`."""
+        ...
+
+    def consistency(self) -> NisReport | None:
+        """How well its covariances agree with what cameras say; None where it has none."""
         ...

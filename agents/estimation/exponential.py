@@ -3,8 +3,10 @@
 from dataclasses import dataclass
 
 from agents.drivers.driver import OdometryReading
+from agents.estimation.consistency import NisReport
 from agents.estimation.estimator import Estimate, Localization
 from agents.estimation.history import OdometryHistory
+from agents.estimation.plausible import is_plausible_odometry, is_plausible_pose
 from geometry import SE2, angle_difference
 from protocol.messages import TrackedPose
 
@@ -38,6 +40,8 @@ class ExponentialFilter:
         self._camera_stamp_ns: int | None = None
 
     def add_odometry(self, reading: OdometryReading) -> None:
+        if not is_plausible_odometry(reading):
+            return
         newest = self._history.newest
         if newest is not None and (
             reading.session != newest.session or reading.stamp_ns < newest.stamp_ns - _CLOCK_SET_BACK_NS
@@ -49,6 +53,8 @@ class ExponentialFilter:
         self._history.add(reading)
 
     def add_camera_pose(self, pose: TrackedPose) -> bool:
+        if not is_plausible_pose(pose):
+            return False
         previous_ns = self._camera_stamp_ns
         if previous_ns is not None and pose.stamp_ns <= previous_ns:
             return False
@@ -75,6 +81,10 @@ class ExponentialFilter:
         silent_ns = now_ns - self._camera_stamp_ns
         lost = silent_ns > self._config.realign_after_s * 1e9
         return Estimate(Localization.LOST if lost else Localization.ALIGNED, self._last_pose, self._camera_stamp_ns)
+
+    def consistency(self) -> NisReport | None:
+        """None: it has no covariances."""
+        return None
 
     def _smoothed(self, odometry: SE2, camera: SE2) -> SE2:
         weight = self._config.camera_weight

@@ -5,6 +5,9 @@ from bisect import bisect_right
 from agents.drivers.driver import OdometryReading
 from geometry import SE2
 
+_MOST_READINGS = 1000
+"""However fast a base talks, memory stays bounded."""
+
 
 class OdometryHistory:
     """Readings of one session in the order of their stamps.
@@ -28,11 +31,15 @@ class OdometryHistory:
             return
         self._readings.append(reading)
         oldest_ns = reading.stamp_ns - self._span_ns
-        keep_from = bisect_right(self._readings, oldest_ns, key=_stamp)
+        keep_from = max(bisect_right(self._readings, oldest_ns, key=_stamp), len(self._readings) - _MOST_READINGS)
         del self._readings[:keep_from]
 
     def clear(self) -> None:
         self._readings.clear()
+
+    def after(self, stamp_ns: int) -> tuple[OdometryReading, ...]:
+        """The readings that are newer than the moment, in order."""
+        return tuple(self._readings[bisect_right(self._readings, stamp_ns, key=_stamp) :])
 
     def at(self, stamp_ns: int) -> SE2 | None:
         """T_odom_robot at that moment; None when the readings do not reach that far."""

@@ -44,7 +44,12 @@ class Plant:
         return OdometryReading(stamp_ns, session, self.odometry, self.twist, front_range_m)
 
 
-def tracked(vehicle: str, pose: SE2, stamp_ns: int) -> TrackedPose:
+def tracked(
+    vehicle: str,
+    pose: SE2,
+    stamp_ns: int,
+    covariance: tuple[float, float, float, float, float, float] = (1e-5, 0.0, 0.0, 1e-5, 0.0, 1e-5),
+) -> TrackedPose:
     return TrackedPose(
         vehicle=vehicle,
         stamp_ns=stamp_ns,
@@ -54,7 +59,7 @@ def tracked(vehicle: str, pose: SE2, stamp_ns: int) -> TrackedPose:
         vx=0.0,
         vy=0.0,
         yaw_rate=0.0,
-        covariance=(1e-5, 0.0, 0.0, 1e-5, 0.0, 1e-5),
+        covariance=covariance,
         cameras=("cam0",),
         area="camp",
     )
