@@ -4,6 +4,7 @@
 """
 
 from protocol.lab.basis import camera_basis, floor_basis
+from protocol.lab.control import ControlSpec, FrenetControl, GoToGoalControl, GpssControl
 from protocol.lab.description import Lab
 from protocol.lab.devices import (
     Accuracy,
@@ -36,7 +37,11 @@ __all__ = [
     "Accuracy",
     "Area",
     "CameraSpec",
+    "ControlSpec",
     "FloorTags",
+    "FrenetControl",
+    "GoToGoalControl",
+    "GpssControl",
     "GulliViewLayout",
     "GulliViewOutput",
     "Intrinsics",

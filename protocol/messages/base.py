@@ -9,6 +9,8 @@ Finite = Annotated[float, Field(allow_inf_nan=False)]
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 StampNs = Annotated[int, Field(ge=0, lt=2**63)]
+PointXY = tuple[Finite, Finite]
+"""Metres in the map frame."""
 
 
 class Message(BaseModel):
