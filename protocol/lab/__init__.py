@@ -4,6 +4,7 @@
 """
 
 from protocol.lab.basis import camera_basis, floor_basis
+from protocol.lab.control import ControlSpec, FrenetControl, GoToGoalControl, GpssControl
 from protocol.lab.description import Lab
 from protocol.lab.devices import (
     GPSS_DRIVER,
@@ -42,7 +43,11 @@ __all__ = [
     "Accuracy",
     "Area",
     "CameraSpec",
+    "ControlSpec",
     "FloorTags",
+    "FrenetControl",
+    "GoToGoalControl",
+    "GpssControl",
     "GulliViewLayout",
     "GulliViewOutput",
     "Intrinsics",

@@ -17,6 +17,7 @@ from protocol.lab.base import (
     Positive,
     require_simple,
 )
+from protocol.lab.control import ControlSpec
 
 
 class Area(LabModel):
@@ -98,13 +99,16 @@ class ObstacleBox(LabModel):
 
 
 class Limits(LabModel):
-    """What a vehicle can do: m/s, rad/s, m/s^2, rad/s^2."""
+    """What a vehicle can do: m/s, rad/s, m/s^2, rad/s^2; and how suddenly its controllers may change that, m/s^3, rad/s^3.
+    Emergency stops brake at once and fully."""
 
     speed_mps: Positive = 0.5
     yaw_rate_radps: Positive = 1.0
     acceleration_mps2: Positive = 0.5
     braking_mps2: Positive = 2.0
     yaw_acceleration_radps2: Positive = 4.0
+    jerk_mps3: Positive = 4.0
+    yaw_jerk_radps3: Positive = 40.0
 
 
 GPSS_DRIVER, ROS2_DRIVER = "gpss-redis", "ros2"
@@ -140,6 +144,7 @@ class VehicleSpec(LabModel):
     limits: Limits = Limits()
     obstacle_box: ObstacleBox = ObstacleBox()
     ros2: Ros2Base | None = None
+    control: ControlSpec = ControlSpec()
 
     @model_validator(mode="after")
     def _simple(self) -> Self:

@@ -42,13 +42,15 @@ class SimulatedSurvey(LabModel):
 
 class SimulatedDrive(LabModel):
     """How simulated wheels lie: relative scale error of left and right odometry, noise of each step relative to the way
-    travelled, relative slip, and the delay of the motors' answer."""
+    travelled, relative slip (what kinds make of it in turns: docs/architecture.md), the delay of the motors' answer, and
+    how fast a steered wheel turns (rad/s)."""
 
     left_scale: Positive = 1.0
     right_scale: Positive = 1.0
     noise: NonNegative = 0.01
     slip: Annotated[float, Field(ge=0, lt=1)] = 0.02
     delay_s: NonNegative = 0.03
+    steering_rate_radps: Positive = 1.5
 
 
 class SimulatedNetwork(LabModel):

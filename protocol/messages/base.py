@@ -29,6 +29,9 @@ StampNs = Annotated[int, Field(ge=0, lt=_HIGHEST), NUMERIC]
 """Nanoseconds since the epoch, until 2255."""
 Flag = Annotated[bool, Field(strict=True)]
 
+PointXY = tuple[Finite, Finite]
+"""Metres in the map frame."""
+
 
 Whole = Annotated[int, msgspec.Meta(ge=-_HIGHEST, le=_HIGHEST)]
 Real = Annotated[float, msgspec.Meta(ge=-LARGEST, le=LARGEST)]

@@ -5,10 +5,11 @@ from typing import Annotated, Self
 
 from pydantic import ConfigDict, Field, model_validator
 
-from protocol.messages.base import NUMERIC, Counted, Finite, Flag, Identifier, Message, NonNegative, Positive, StampNs
+from protocol.messages.base import NUMERIC, Counted, Finite, Flag, Identifier, Message, NonNegative, PointXY, Positive, StampNs
 
 Order = tuple[Counted, Counted]
 """(epoch, sequence) of a command."""
+MOST_PATH_POINTS = 64
 
 
 class Movement(StrEnum):
@@ -61,6 +62,10 @@ class Command(Message):
 
     Commands of one robot are ordered by (epoch, sequence): the epoch grows each time a guidance takes over, so a robot
     refuses what an older brain still sends. A command is not to be obeyed after `deadline_ns`.
+
+    `path` is the operator's line around the robot: from a little behind it over the next waypoints to where it is to arrive
+    next, or some metres ahead; the robot is to be able to stop at its end. A robot may follow it instead of heading for the
+    target; it is empty where there is none, as from servers that know no paths.
     """
 
     robot: Identifier
@@ -75,6 +80,7 @@ class Command(Message):
     final: Flag = Field(
         default=False, description="Whether the target is a place to arrive at, not a carrot on the way."
     )
+    path: Annotated[tuple[PointXY, ...], Field(max_length=MOST_PATH_POINTS)] = ()
     linear_mps: Finite = 0.0
     angular_radps: Finite = 0.0
 

@@ -5,11 +5,8 @@ from typing import Annotated
 
 from pydantic import Field
 
-from protocol.messages.base import Finite, Identifier, Message, NonNegative, StampNs
+from protocol.messages.base import Finite, Identifier, Message, NonNegative, PointXY, StampNs
 from protocol.messages.fleet import Reason
-
-PointXY = tuple[Finite, Finite]
-"""Metres in the map frame."""
 
 
 class Blockage(Message):

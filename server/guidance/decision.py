@@ -41,6 +41,7 @@ class Decision:
     target: Target | None = None
     speed_mps: float = 0.0
     final: bool = False
+    path: tuple[PathPoint, ...] = ()
     linear_mps: float = 0.0
     angular_radps: float = 0.0
 

@@ -67,6 +67,7 @@ class Guidance:
             target=decision.target,
             speed_mps=decision.speed_mps,
             final=decision.final,
+            path=decision.path,
             linear_mps=decision.linear_mps,
             angular_radps=decision.angular_radps,
         )

@@ -3,8 +3,10 @@
 The temporary waypoint runs a look-ahead ahead of the robot along the leg. Near the leg's end it stays on the line through
 the robot and the waypoint, at most a little *beyond* the waypoint, until the robot has been within the waypoint's radius:
 the robot's controller stops steering within `CONTROLLER_LOCK_M` of a target, so that a target on the waypoint itself would
-let it miss small radii. Where the robot arrives (the route's end, a waypoint with a heading) it gets a final target that
-lies beyond the waypoint by the distance at which robots stop, so that it comes to rest close to the waypoint.
+let it miss small radii. Where the robot arrives (the route's end, a waypoint with a heading) its target is the waypoint,
+and final. A robot that rests short of it, out of the radius, is sent a little beyond.
+
+A controller that follows a line instead of a point finds it in the command's path: the legs as the operator drew them.
 """
 
 import itertools
@@ -14,6 +16,7 @@ from dataclasses import dataclass
 
 from geometry import SE2, angle_difference
 from protocol.messages import Route, Target, Waypoint
+from protocol.messages.fleet import MOST_PATH_POINTS
 from server.guidance.box import PlannedPath
 from server.guidance.parameters import CONTROLLER_LOCK_M, CONTROLLER_REACHED_M, GuidanceParameters
 from server.guidance.path import (
@@ -30,7 +33,10 @@ _SLOWEST_SHARE = 0.3
 _MOST_POINTS = 64
 _SHORT_M = 0.05
 _BEYOND_FINAL_M = 0.08
-"""Robots come to rest 0.10 to 0.15 m before their target."""
+"""Robots that stop within a tolerance of their target come to rest 0.10 to 0.15 m before it."""
+_PATH_BEHIND_M = 0.3
+_PATH_AHEAD_M = 4.0
+"""More than what any of the vehicles needs for stopping."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,6 +109,7 @@ class RouteFollower:
     def __init__(self, parameters: GuidanceParameters) -> None:
         self._parameters = parameters
         self._anchor: Point | None = None
+        self._before_anchor: Point | None = None
         self._previous: Point | None = None
         self._turning = False
         self._there_since_s: float | None = None
@@ -132,7 +139,7 @@ class RouteFollower:
             turned = abs(angle_difference(yaw, seen.pose.yaw)) <= self._parameters.yaw_tolerance_rad
             if not self._settled(turned, seen):
                 return progress
-        self._anchor = plan.stops[progress.leg].point
+        self._before_anchor, self._anchor = self._anchor, plan.stops[progress.leg].point
         self._turning, self._final = False, None
         self._there_since_s = self._at_rest_since_s = None
         if progress.leg + 1 < len(plan.stops):
@@ -167,6 +174,31 @@ class RouteFollower:
         points = near + [plan.stops[index % len(plan.stops)].point for index in ahead]
         return PlannedPath(without_repeats(points)[:_MOST_POINTS], to_waypoint)
 
+    def path_ahead(self, plan: RoutePlan, leg: int, pose: SE2) -> tuple[Point, ...]:
+        """The drawn line from a little behind the robot to where it arrives next, or some metres ahead. Empty for a robot
+        that is sent beyond its waypoint. A robot that drove past the leg's end out of its radius is led back to it."""
+        here, end = (pose.x, pose.y), plan.stops[leg].point
+        if self._final not in (None, end):
+            return ()
+        start = self._anchor or here
+        done = progress_along(here, start, end)
+        if done >= distance(start, end) and distance(here, end) > self._within_m(plan, leg):
+            points = [here]
+        elif done > _PATH_BEHIND_M or self._before_anchor is None:
+            points = [point_along(start, end, max(0.0, done - _PATH_BEHIND_M))]
+        else:
+            before = self._before_anchor
+            along = progress_along(here, before, start)
+            points = [point_along(before, start, max(0.0, along - _PATH_BEHIND_M)), start]
+        length = distance(here, end)
+        points.append(end)
+        for index in range(leg, leg + len(plan.stops)):
+            if plan.arrives_at(index % len(plan.stops)) or length > _PATH_AHEAD_M:
+                break
+            points.append(plan.stops[(index + 1) % len(plan.stops)].point)
+            length += distance(points[-2], points[-1])
+        return tuple((round(x, 4), round(y, 4)) for x, y in without_repeats(points)[:MOST_PATH_POINTS])
+
     def _reached(self, plan: RoutePlan, leg: int, previous: Point, here: Point, seen: Sight) -> bool:
         """Whether the robot has been within the leg's waypoint, or rests within it where it arrives."""
         point, within = plan.stops[leg].point, self._within_m(plan, leg)
@@ -196,8 +228,8 @@ class RouteFollower:
         return point_along(start, end, ahead) if ahead < distance(start, end) else None
 
     def _final_target(self, plan: RoutePlan, leg: int, here: Point, seen: Sight) -> Point:
-        """A place a little beyond the waypoint. The same at every call, for a robot takes another target for another task;
-        only a robot that came to rest near by, but out of the radius, gets a new one."""
+        """The waypoint; for a robot that came to rest near by, but out of the radius, a place a little beyond it. The same at
+        every call, for a robot takes another target for another task."""
         if not seen.at_rest or distance(here, plan.stops[leg].point) > CONTROLLER_LOCK_M:
             self._at_rest_since_s = None
         elif self._at_rest_since_s is None:
@@ -205,7 +237,7 @@ class RouteFollower:
         rests = self._at_rest_since_s is not None and seen.now_s - self._at_rest_since_s >= self._parameters.settle_s
         if self._final is None or rests:
             point = plan.stops[leg].point
-            self._final = point_along(here, point, distance(here, point) + _BEYOND_FINAL_M)
+            self._final = point_along(here, point, distance(here, point) + _BEYOND_FINAL_M) if rests else point
             self._at_rest_since_s = None
         return self._final
 

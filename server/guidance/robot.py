@@ -170,7 +170,10 @@ class RobotGuidance:
             go = Decision(Movement.ROTATE, route, target=goal.target, final=True)
             shown, carrot = sweep, None
         else:
-            go = Decision(Movement.MOVE_TO, route, target=goal.target, speed_mps=goal.speed_mps, final=goal.final)
+            ahead = self._follower.path_ahead(plan, progress.leg, here)
+            go = Decision(
+                Movement.MOVE_TO, route, target=goal.target, speed_mps=goal.speed_mps, final=goal.final, path=ahead
+            )
             shown, carrot = self._box(snapshot, path, here, pose, speed), (goal.target.x, goal.target.y)
             reason = self._leaves_ground(snapshot, path, speed)
             if reason is None:
