@@ -3,8 +3,9 @@
 Pinhole and Brown-Conrady distortion by OpenCV's points-only functions. `CameraView` is made anew for each calibration.
 """
 
+import math
 from dataclasses import dataclass
-from typing import Any, cast
+from typing import Any, NamedTuple, cast
 
 import cv2
 import numpy as np
@@ -47,6 +48,19 @@ class PlaneHits:
     slopes: Array
 
 
+class Extent(NamedTuple):
+    """An upright rectangle in the map frame, metres."""
+
+    left: float
+    bottom: float
+    right: float
+    top: float
+
+    def is_near(self, x: float, y: float, margin_m: float) -> bool:
+        """Whether the point is inside, or outside by no more than the margin along each axis."""
+        return self.left - margin_m <= x <= self.right + margin_m and self.bottom - margin_m <= y <= self.top + margin_m
+
+
 class CameraView:
     """One camera with its pose. Points in the map frame are metres, pixels are OpenCV's."""
 
@@ -59,7 +73,9 @@ class CameraView:
         self._rvec, self._tvec = T_camera_map.rotvec(), np.array(T_camera_map.translation)
         self._map_to_camera = T_camera_map.rotation
         self._matrix, self._distortion = model.matrix(), model.distortion_array()
-        self._widest = _BORDER_SLACK * float(np.linalg.norm(undistort(model, _border(model)), axis=1).max())
+        self._border = undistort(model, _border(model))
+        self._widest = _BORDER_SLACK * float(np.linalg.norm(self._border, axis=1).max())
+        self._extents: dict[float, Extent] = {}
 
     def hits(self, plane: Array, height_m: float | Array) -> PlaneHits:
         """Intersects the rays through undistorted image points (N, 2) with the plane z = height_m, the same for all or (N,).
@@ -77,6 +93,21 @@ class CameraView:
         scale = depth / dz
         jacobians = scale[:, None, None] * (rotation[:2, :2] - ratio[:, :, None] * rotation[2, :2])
         return PlaneHits(centre[:2] + np.reshape(depth, (-1, 1)) * ratio, jacobians, ratio)
+
+    def extent(self, height_m: float) -> "Extent":
+        """The smallest upright rectangle around what the picture shows of the plane z = height_m; everything when a ray of its
+        border does not meet it."""
+        extent = self._extents.get(height_m)
+        if extent is None:
+            try:
+                points = self.hits(self._border, height_m).points
+            except PointsAtInfinityError:
+                extent = Extent(-math.inf, -math.inf, math.inf, math.inf)
+            else:
+                (left, bottom), (right, top) = points.min(axis=0).tolist(), points.max(axis=0).tolist()
+                extent = Extent(left, bottom, right, top)
+            self._extents[height_m] = extent
+        return extent
 
     def project(self, points: Array) -> tuple[Array, NDArray[np.bool_]]:
         """Pixels (N, 2) of points (N, 3), also outside the image, and whether they mean anything, shape (N,): points behind
