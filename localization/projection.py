@@ -3,8 +3,9 @@
 Pinhole and Brown-Conrady distortion by OpenCV's points-only functions. `CameraView` is made anew for each calibration.
 """
 
+import math
 from dataclasses import dataclass
-from typing import Any, cast
+from typing import Any, NamedTuple, cast
 
 import cv2
 import numpy as np
@@ -47,6 +48,19 @@ class PlaneHits:
     slopes: Array
 
 
+class Extent(NamedTuple):
+    """An upright rectangle in the map frame, metres."""
+
+    left: float
+    bottom: float
+    right: float
+    top: float
+
+    def is_near(self, x: float, y: float, margin_m: float) -> bool:
+        """Whether the point is inside, or outside by no more than the margin along each axis."""
+        return self.left - margin_m <= x <= self.right + margin_m and self.bottom - margin_m <= y <= self.top + margin_m
+
+
 class CameraView:
     """One camera with its pose. Points in the map frame are metres, pixels are OpenCV's."""
 
@@ -59,7 +73,9 @@ class CameraView:
         self._rvec, self._tvec = T_camera_map.rotvec(), np.array(T_camera_map.translation)
         self._map_to_camera = T_camera_map.rotation
         self._matrix, self._distortion = model.matrix(), model.distortion_array()
-        self._widest = _BORDER_SLACK * float(np.linalg.norm(undistort(model, _border(model)), axis=1).max())
+        self._border = undistort(model, _border(model))
+        self._widest = _BORDER_SLACK * float(np.linalg.norm(self._border, axis=1).max())
+        self._extents: dict[float, Extent] = {}
 
     def hits(self, plane: Array, height_m: float | Array) -> PlaneHits:
         """Intersects the rays through undistorted image points (N, 2) with the plane z = height_m, the same for all or (N,).
@@ -78,39 +94,20 @@ class CameraView:
         jacobians = scale[:, None, None] * (rotation[:2, :2] - ratio[:, :, None] * rotation[2, :2])
         return PlaneHits(centre[:2] + np.reshape(depth, (-1, 1)) * ratio, jacobians, ratio)
 
-    def calibration_jacobians(self, pixels: Array, height_m: float) -> Array:
-        """How the points where rays through `pixels` (N, 2) meet the plane z = height_m move with the calibration: shape
-        (N, 2, 10), metres per rad, m and px of (rotation, translation, fx, fy, cx, cy), in the order of
-        `CameraExtrinsics.covariance`.
-
-        P = C + (h - C_z) d / d_z with d = R u; the rotation's perturbation exp(delta) R moves d by delta x d, and the lens
-        moves u as if the pixel were elsewhere: by x_d per unit of fx and by 1 per unit of cx, both backwards.
-        PointsAtInfinityError as `hits`.
-        """
-        steps = np.array([[0.0, 0.0], [0.5, 0.0], [-0.5, 0.0], [0.0, 0.5], [0.0, -0.5]])
-        plane = undistort(self.model, (pixels[:, None, :] + steps).reshape(-1, 2)).reshape(-1, 5, 2)
-        per_pixel = np.stack([plane[:, 1] - plane[:, 2], plane[:, 3] - plane[:, 4]], axis=2)
-        hits = self.hits(plane[:, 0], height_m)
-        rotation, count = self._rotation, len(pixels)
-        directions = plane[:, 0] @ rotation[:, :2].T + rotation[:, 2]
-        depth = (height_m - self._centre[2]) / directions[:, 2]
-        # By the direction: depth * (I - ratio e_z^T), shape (N, 2, 3).
-        by_direction = np.zeros((count, 2, 3))
-        by_direction[:, 0, 0] = by_direction[:, 1, 1] = depth
-        by_direction[:, :, 2] = -depth[:, None] * hits.slopes
-        x, y, z = directions.T
-        zero = np.zeros(count)
-        cross = np.stack([zero, -z, y, z, zero, -x, -y, x, zero], axis=1).reshape(-1, 3, 3)
-        jacobians = np.zeros((count, 2, 10))
-        jacobians[:, :, :3] = -by_direction @ cross
-        jacobians[:, 0, 3] = jacobians[:, 1, 4] = 1.0
-        jacobians[:, :, 5] = -hits.slopes
-        by_pixel = hits.jacobians @ per_pixel
-        lens = np.array([self.model.fx, self.model.fy])
-        centre = np.array([self.model.cx, self.model.cy])
-        jacobians[:, :, 6:8] = -by_pixel * ((pixels - centre) / lens)[:, None, :]
-        jacobians[:, :, 8:10] = -by_pixel
-        return jacobians
+    def extent(self, height_m: float) -> "Extent":
+        """The smallest upright rectangle around what the picture shows of the plane z = height_m; everything when a ray of its
+        border does not meet it."""
+        extent = self._extents.get(height_m)
+        if extent is None:
+            try:
+                points = self.hits(self._border, height_m).points
+            except PointsAtInfinityError:
+                extent = Extent(-math.inf, -math.inf, math.inf, math.inf)
+            else:
+                (left, bottom), (right, top) = points.min(axis=0).tolist(), points.max(axis=0).tolist()
+                extent = Extent(left, bottom, right, top)
+            self._extents[height_m] = extent
+        return extent
 
     def project(self, points: Array) -> tuple[Array, NDArray[np.bool_]]:
         """Pixels (N, 2) of points (N, 3), also outside the image, and whether they mean anything, shape (N,): points behind

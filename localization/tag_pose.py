@@ -13,7 +13,8 @@ from typing import cast
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry import SE2, CameraModel
+from geometry import SE2
+from localization.calibration_jacobians import by_calibration, distortion
 from localization.projection import CameraView, PlaneHits, PointsAtInfinityError
 from localization.tags import tag_corners
 from protocol.messages import CameraExtrinsics
@@ -129,7 +130,7 @@ def _covariances(
     """The random and the systematic covariance of the poses, (N, 3, 3) each. `gain` (N, 3, 4, 2) is how a pose moves with its
     corners on the plane."""
     count = len(gain)
-    distorted, bend = _distortion(view.model, corners)
+    distorted, bend = distortion(view.model, corners)
     per_pixel = hits.jacobians @ bend / (view.model.fx, view.model.fy)
     flat = gain.reshape(count, 3, 8)
     through = noise.corner_px * (gain.transpose(0, 2, 1, 3) @ per_pixel.reshape(count, 4, 2, 2))
@@ -142,55 +143,9 @@ def _covariances(
         systematic[:, :2, :2] += shift @ shift.transpose(0, 2, 1)
         systematic[:, 2, 2] += np.abs(np.linalg.det(shift)) / _CALIBRATION_LEVER_M**2
     else:
-        moved = flat @ _calibration_jacobians(view, distorted, heights, hits, per_pixel).reshape(count, 8, 10)
+        moved = flat @ by_calibration(view, distorted, heights, hits, per_pixel).reshape(count, 8, 10)
         systematic += moved @ noise.calibration @ moved.transpose(0, 2, 1)
     return random, systematic
-
-
-def _calibration_jacobians(
-    view: CameraView, distorted: Array, heights: Array, hits: PlaneHits, per_pixel: Array
-) -> Array:
-    """How points where rays meet a plane move with the camera's calibration: (N, 2, 10), per rad of its rotation (a left
-    perturbation), metre of its place, pixel of fx, fy, cx, cy.
-
-    A ray that is turned by delta about the camera's centre C meets the plane at P + (1 - slope e_z^T) (delta x (P - C)), slope
-    being P's displacement per metre of height; a pixel (u, v) = (fx x_d + cx, fy y_d + cy) that stays where it is has another
-    x_d, y_d when the lens is another.
-    """
-    jacobians = np.zeros((len(distorted), 2, 10))
-    slope_x, slope_y = hits.slopes[:, 0], hits.slopes[:, 1]
-    away = hits.points - view.T_map_camera.translation[:2]
-    x, y = away[:, 0], away[:, 1]
-    drop = heights - view.T_map_camera.translation[2]
-    jacobians[:, 0, 0], jacobians[:, 0, 1], jacobians[:, 0, 2] = -slope_x * y, drop + slope_x * x, -y
-    jacobians[:, 1, 0], jacobians[:, 1, 1], jacobians[:, 1, 2] = -drop - slope_y * y, slope_y * x, x
-    jacobians[:, 0, 3] = jacobians[:, 1, 4] = 1.0
-    jacobians[:, :, 5] = -hits.slopes
-    jacobians[:, :, 6:8] = -per_pixel * distorted[:, None]
-    jacobians[:, :, 8:10] = -per_pixel
-    return jacobians
-
-
-def _distortion(model: CameraModel, plane: Array) -> tuple[Array, Array]:
-    """Distorted image points (N, 2) of undistorted ones, and the derivatives (N, 2, 2) of the undistorted by the distorted
-    (Brown-Conrady as in OpenCV's documentation; the inverse of the forward model's Jacobian)."""
-    k1, k2, p1, p2, k3 = model.distortion
-    x, y = plane[:, 0], plane[:, 1]
-    xx, yy, xy = x * x, y * y, x * y
-    r2 = xx + yy
-    radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3))
-    slope = 2.0 * (k1 + r2 * (2.0 * k2 + 3.0 * k3 * r2))
-    distorted = np.empty_like(plane)
-    distorted[:, 0] = x * radial + 2.0 * p1 * xy + p2 * (r2 + 2.0 * xx)
-    distorted[:, 1] = y * radial + p1 * (r2 + 2.0 * yy) + 2.0 * p2 * xy
-    along_x = radial + slope * xx + 2.0 * p1 * y + 6.0 * p2 * x
-    along_y = radial + slope * yy + 6.0 * p1 * y + 2.0 * p2 * x
-    across = slope * xy + 2.0 * p1 * x + 2.0 * p2 * y
-    inverse = np.empty((len(plane), 2, 2))
-    inverse[:, 0, 0], inverse[:, 1, 1] = along_y, along_x
-    inverse[:, 0, 1] = inverse[:, 1, 0] = -across
-    inverse /= (along_x * along_y - across * across)[:, None, None]
-    return distorted, inverse
 
 
 def extrinsics_covariance(extrinsics: CameraExtrinsics) -> Array | None:

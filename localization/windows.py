@@ -19,8 +19,8 @@ Array = NDArray[np.float64]
 
 _LEAST_MARGIN = 0.2
 """Every window is at least this share of the tag's side wider than the tag: corners turn and blur."""
-_OUTSIDE = 0.3
-"""Share of the picture's size by which a tag's centre may lie outside while a part of its window is inside."""
+_OBLIQUE = 3.0
+"""Seen at an angle, a pixel is more metres away from the camera than across: so many times, and the way to the tag's edge."""
 _MEMORY_S = 2.0
 _MOMENT_S = 0.2
 """So long memory helps a track that does not know its speed yet."""
@@ -68,21 +68,18 @@ class _Wearer:
 def _near_the_picture(
     view: CameraView, known: KnownTags, predicted: Mapping[str, TrackedPose], stamp_ns: int
 ) -> list[_Wearer]:
-    """The tracked vehicles whose tags' centres are in the picture or not far outside: most are before other cameras."""
+    """The tracked vehicles whose tags are in the picture or not far outside: most are before other cameras."""
     wearers: list[_Wearer] = []
     for key, vehicle in known.vehicles.items():
         pose = predicted.get(vehicle.id)
-        if pose is not None and is_fresh(pose, stamp_ns):
-            tag = pose_at(pose, stamp_ns) @ vehicle.tag.pose_on_vehicle()
-            wearers.append(
-                _Wearer(key, vehicle, tag, uncertainty_m(pose, stamp_ns, vehicle.limits) / vehicle.tag.size_m)
-            )
-    if not wearers:
-        return []
-    pixels, meant = view.project(np.array([(w.tag.x, w.tag.y, w.vehicle.tag.height_m) for w in wearers]))
-    size = np.array([view.model.width, view.model.height])
-    near = meant & ((pixels > -_OUTSIDE * size) & (pixels < (1.0 + _OUTSIDE) * size)).all(axis=1)
-    return [wearer for wearer, is_near in zip(wearers, near, strict=True) if is_near]
+        if pose is None or not is_fresh(pose, stamp_ns):
+            continue
+        tag = pose_at(pose, stamp_ns) @ vehicle.tag.pose_on_vehicle()
+        doubt_m = uncertainty_m(pose, stamp_ns, vehicle.limits)
+        margin_m = _OBLIQUE * (doubt_m + _LEAST_MARGIN * vehicle.tag.size_m)
+        if view.extent(vehicle.tag.height_m).is_near(tag.x, tag.y, margin_m):
+            wearers.append(_Wearer(key, vehicle, tag, doubt_m / vehicle.tag.size_m))
+    return wearers
 
 
 def _corners_in_map(wearers: Sequence[_Wearer]) -> Array:

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from geometry import SE3, CameraModel
 from localization.calibration.adjustment import perturbed
+from localization.calibration_jacobians import calibration_jacobians
 from localization.projection import CameraView, PointsAtInfinityError
 from protocol.lab import Accuracy
 
@@ -41,7 +42,7 @@ def nominal_pose(
     slopes: list[Array] = []
     for height_m in heights_m:
         try:
-            slopes.append(view.calibration_jacobians(grid, height_m).reshape(-1, 10))
+            slopes.append(calibration_jacobians(view, grid, height_m).reshape(-1, 10))
         except PointsAtInfinityError:
             continue  # a camera that looks to the horizon: its floor tags are what it has
     scales = np.zeros((4, 3))

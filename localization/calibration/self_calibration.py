@@ -16,6 +16,7 @@ from localization.calibration.drift import DriftWatch
 from localization.calibration.extrinsics import MIN_TAGS, ExtrinsicsError
 from localization.calibration.joint import calibrate, plane_heights_m
 from localization.calibration.sighting import Corners, FloorSighting, averaged
+from localization.calibration_jacobians import calibration_jacobians
 from localization.detection import TagObservation
 from localization.projection import CameraView, PointsAtInfinityError, extrinsics_pose, undistort
 from localization.tag_pose import PoseNoise, extrinsics_covariance
@@ -248,7 +249,7 @@ def _calibration_px(view: CameraView, extrinsics: CameraExtrinsics) -> float | N
     model = view.model
     grid = np.array([[u * model.width, v * model.height] for u in (0.1, 0.5, 0.9) for v in (0.1, 0.5, 0.9)])
     try:
-        slopes = view.calibration_jacobians(grid, 0.0)
+        slopes = calibration_jacobians(view, grid, 0.0)
         per_pixel = view.hits(undistort(model, grid), 0.0).jacobians / np.array([model.fx, model.fy])
     except PointsAtInfinityError:
         return None

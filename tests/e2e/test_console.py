@@ -4,12 +4,9 @@ over a restart of the server, driving by hand, every page. Where robots are is j
 import math
 import os
 import signal
-import threading
 import time
-from collections.abc import Generator, Sequence
+from collections.abc import Generator
 from functools import partial
-from statistics import median
-from typing import cast
 
 import numpy as np
 import pytest
@@ -19,58 +16,17 @@ from shapely.geometry import Point, Polygon, box
 
 from geometry import SE2
 from lab.objects import PALLET_LENGTH_M, PALLET_WIDTH_M
-from protocol import keys
-from protocol.channels import GROUND_TRUTH, LAB_INSTANCE
-from protocol.codec import decode
 from protocol.lab import load_lab
-from protocol.messages import GroundTruth
 from tests.e2e.browser import SLOW_MS, Console, console
+from tests.e2e.emergency_stop import drive_to_and_fro, press_emergency_stop, release_emergency_stop
+from tests.e2e.odyssey import Odyssey
 from tests.e2e.system import ROOT, RunningSystem, wait_for
 
 ROBOT = "wifibot-14"
 ROUTE = [(1.5, 1.0), (3.6, 1.0), (3.6, 2.2)]
 PALLET = (3.0, 1.0)
 """More than a metre ahead of the robot when it has passed the first waypoint: a browser takes a second or two to put it there."""
-HALTS = 3
-"""So often the emergency stop is timed: on two cores with a browser and a dozen processes a single one may be late."""
 FOOTPRINT = Polygon(load_lab(ROOT / "labs/gulliver.yaml").vehicle(ROBOT).footprint)
-
-
-class Odyssey:
-    """Every true pose of the robot, as the lab publishes them."""
-
-    def __init__(self, system: RunningSystem) -> None:
-        self._redis = system.redis
-        self._stop = threading.Event()
-        self._thread = threading.Thread(target=self._run, daemon=True)
-        self.truths: list[GroundTruth] = []
-
-    def __enter__(self) -> "Odyssey":
-        self._thread.start()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._stop.set()
-        self._thread.join(5)
-
-    def nearest_m(self, point: tuple[float, float]) -> float:
-        poses = [truth.vehicles[ROBOT] for truth in self.truths]
-        return min(math.dist(point, (pose.x, pose.y)) for pose in poses)
-
-    def all_stand_since(self, stamp_ns: float, vehicles: Sequence[str]) -> int | None:
-        """When, after `stamp_ns`, none of them moved for the first time."""
-        for truth in self.truths:
-            if truth.stamp_ns > stamp_ns and all(abs(truth.vehicles[name].linear_mps) < 1e-3 for name in vehicles):
-                return truth.stamp_ns
-        return None
-
-    def _run(self) -> None:
-        while not self._stop.wait(0.01):
-            raw = cast("bytes | None", self._redis.hget(keys.live(GROUND_TRUTH.name), LAB_INSTANCE))
-            if raw is not None:
-                truth = decode(GroundTruth, raw)
-                if not self.truths or truth.stamp_ns > self.truths[-1].stamp_ns:
-                    self.truths.append(truth)
 
 
 @pytest.fixture(scope="module")
@@ -169,44 +125,34 @@ def test_a_route_is_placed_driven_blocked_and_finished(system: RunningSystem, op
         wait_for("the route is done", lambda: system.robot(ROBOT)["assignment"]["state"] == "done", 60)
     for name in ordered:
         waypoint = placed[name]
-        assert odyssey.nearest_m((waypoint["x"], waypoint["y"])) <= waypoint["radius_m"]
+        assert odyssey.nearest_m(ROBOT, (waypoint["x"], waypoint["y"])) <= waypoint["radius_m"]
     assert Point(system.truth(ROBOT).x, system.truth(ROBOT).y).distance(Point(*ROUTE[-1])) <= 0.15 + 0.03
     assert odyssey.truths[-1].contacts == 0
 
 
-def test_the_emergency_stop_halts_all_at_once_and_outlives_the_server(system: RunningSystem, operator: Console) -> None:
-    for robot, y in (("wifibot-14", 2.2), ("turtlebot-16", 1.0)):
-        ends = ((1.2, y), (3.4, y)) if robot == "wifibot-14" else ((4.8, y), (6.8, y))
-        for number, (x, _) in enumerate(ends):
-            body = {"id": f"stop-{robot}-{number}", "area": "camp", "x": x, "y": y, "radius_m": 0.2}
-            system.api.put(f"/waypoints/{body['id']}", json=body).raise_for_status()
-        legs = [{"waypoint": f"stop-{robot}-{number}", "speed_mps": 0.3} for number in range(2)]
-        system.api.put(f"/routes/to-{robot}", json={"id": f"to-{robot}", "legs": legs, "loop": True}).raise_for_status()
-        system.api.put(f"/robots/{robot}/assignment", json={"route": f"to-{robot}"}).raise_for_status()
-    moving = ("wifibot-14", "turtlebot-16")
-    wait_for("both drive", lambda: all(abs(system.truth(robot).linear_mps) > 0.25 for robot in moving), 30)
+@pytest.fixture
+def tours(system: RunningSystem) -> Generator[tuple[str, str]]:
+    """Two robots that drive to and fro."""
+    names = drive_to_and_fro(system)
+    yield names
+    if system.get("/estop")["engaged"]:
+        system.api.request("DELETE", "/estop", json={"confirm": True}).raise_for_status()
+    for robot in names:
+        system.api.delete(f"/robots/{robot}/assignment")
 
+
+def test_the_emergency_stop_halts_all_at_once_and_outlives_the_server(
+    system: RunningSystem, operator: Console, tours: tuple[str, str]
+) -> None:
+    """How soon they stand is measured by `./lilliput bench stop`."""
     operator.open("floor")
-    operator.page.evaluate(
-        "window.addEventListener('pointerdown', () => { window.pressedAt = performance.timeOrigin + performance.now() },"
-        " {capture: true})"
-    )
-    halts_s: list[float] = []
-    for _ in range(HALTS):
-        if halts_s:
-            release(operator)
-        with Odyssey(system) as odyssey:
-            wait_for("both drive", lambda: all(abs(system.truth(robot).linear_mps) > 0.25 for robot in moving), 30)
-            operator.part("estop-engage").click()
-            pressed_ns = float(operator.page.evaluate("window.pressedAt")) * 1e6
-            still = wait_for("all stand", partial(odyssey.all_stand_since, pressed_ns, moving), 5)
-        halts_s.append((still - pressed_ns) / 1e9)
-        expect(operator.part("estop-banner")).to_be_visible()
-    assert median(halts_s) <= 0.3, halts_s
-    assert max(halts_s) <= 0.6, halts_s
+    with Odyssey(system) as odyssey:
+        pressed_ns = press_emergency_stop(operator)
+        wait_for("all stand", partial(odyssey.all_stand_since, pressed_ns, tours), 5)
+    expect(operator.part("estop-banner")).to_be_visible()
     operator.screenshot("emergency-stop")
 
-    where = {robot: system.truth(robot) for robot in moving}
+    where = {robot: system.truth(robot) for robot in tours}
     server = system.processes()["server"]
     assert server.pid is not None
     os.kill(server.pid, signal.SIGKILL)
@@ -214,23 +160,15 @@ def test_the_emergency_stop_halts_all_at_once_and_outlives_the_server(system: Ru
     expect(operator.part("connection")).to_have_attribute("data-state", "live")
     assert system.get("/estop")["engaged"] is True
     expect(operator.part("estop-banner")).to_be_visible()
-    assert all(abs(system.truth(robot).linear_mps) < 1e-3 for robot in moving)
+    assert all(abs(system.truth(robot).linear_mps) < 1e-3 for robot in tours)
     for robot, before in where.items():
         after = system.truth(robot)
         assert math.dist((before.x, before.y), (after.x, after.y)) < 0.01
-    refused = system.api.put("/robots/wifibot-15/assignment", json={"route": "to-wifibot-14"})
+    refused = system.api.put("/robots/wifibot-15/assignment", json={"route": f"to-{tours[0]}"})
     assert refused.status_code == 409
 
-    release(operator)
-    wait_for("both drive again", lambda: all(abs(system.truth(robot).linear_mps) > 0.1 for robot in moving), 20)
-    for robot in moving:
-        system.api.delete(f"/robots/{robot}/assignment").raise_for_status()
-
-
-def release(operator: Console) -> None:
-    operator.part("estop-release").click()
-    operator.part("estop-release-confirm").click()
-    expect(operator.part("estop-banner")).to_be_hidden()
+    release_emergency_stop(operator)
+    wait_for("both drive again", lambda: all(abs(system.truth(robot).linear_mps) > 0.1 for robot in tours), 20)
 
 
 def test_the_stick_drives_the_robot_and_hands_it_back(system: RunningSystem, operator: Console) -> None:

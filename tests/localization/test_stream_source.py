@@ -13,6 +13,7 @@ import pytest
 from localization.sources import CaptureError
 from localization.sources.live import checked
 from localization.sources.stream import StreamCapture
+from localization.sources.video import VideoFileCapture
 from protocol.clock import SystemClock
 from protocol.lab import CameraSpec, Intrinsics
 from tests.localization.rtsp_camera import RtspCamera
@@ -102,6 +103,15 @@ def test_a_video_over_http_is_read_to_its_end(video: str) -> None:
         capture.close()
     # Without its buffers FFmpeg uses up the first picture to find out what it reads.
     assert levels[-9:] == pytest.approx([20 * number for number in range(1, 10)], abs=3)
+
+
+def test_a_file_that_is_read_afterwards_has_its_first_frame(video: str, tmp_path: Path) -> None:
+    StreamCapture(video, SystemClock()).close()
+    frames = VideoFileCapture(tmp_path / "v.avi")
+    try:
+        assert frames.read().pixels.mean() == pytest.approx(0, abs=3)
+    finally:
+        frames.close()
 
 
 @pytest.mark.parametrize("path", ["rtsp://me:secret@127.0.0.1:9/stream", "http://me:secret@127.0.0.1:9/v.avi"])
