@@ -59,6 +59,10 @@ class CommandFeeds:
             feed.woken.set()
         return True
 
+    def announced(self, stop: EmergencyStop) -> bool:
+        """The same of what was announced: announcements may come late, and one with a smaller epoch tells of the past."""
+        return stop.epoch >= self.epoch and self.stop(stop)
+
     @property
     def epoch(self) -> int:
         """The latch's greatest epoch so far, 0 before anything is known."""

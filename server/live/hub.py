@@ -57,7 +57,7 @@ from server.live.sections import Item, Sections
 from server.repositories.camera_faults import CAMERA_FAULTS
 from server.repositories.changes import changes
 from server.repositories.documents import Documents, Store
-from server.repositories.emergency_stop import EmergencyStopRepository, read_emergency_stop
+from server.repositories.emergency_stop import EmergencyStopRepository
 from server.repositories.plan import ASSIGNMENTS, ROUTES, WAYPOINTS
 from server.repositories.robot_settings import ROBOT_SETTINGS
 from server.repositories.simulated_objects import SIMULATED_OBJECTS
@@ -164,7 +164,7 @@ class LiveHub:
 
     def _take(self, received: Received[Any]) -> None:
         if received.channel is EMERGENCY_STOP:
-            self.feeds.stop(received.message)
+            self.feeds.announced(received.message)
         elif received.channel is COMMANDS:
             self.feeds.command(received.message)
         elif received.channel is GUIDANCE:
@@ -244,7 +244,7 @@ class LiveHub:
             for channel in _POLLED:
                 self._latest[channel.name] = await self._bus.latest_all(channel)
             self._extrinsics = await read_extrinsics(self._bus)
-            if self.latch.heard(await read_emergency_stop(self._store)):
+            if await self.latch.look():
                 self._dirty.set()
             # Not everybody who writes documents announces it.
             for read in self._readers.values():

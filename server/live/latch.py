@@ -28,6 +28,7 @@ class EmergencyStopLatch:
     def __init__(self, repository: EmergencyStopRepository, feeds: CommandFeeds, clock: Clock) -> None:
         self._repository, self._feeds, self._clock = repository, feeds, clock
         self._unwritten = asyncio.Event()
+        self._writing: set[asyncio.Future[EmergencyStop]] = set()
 
     async def get(self) -> EmergencyStop:
         """The latch as Redis has it, or as it will be written."""
@@ -39,6 +40,8 @@ class EmergencyStopLatch:
         robots have been told then, and it will be written."""
         told = self._tell(reason, actor)
         writing = asyncio.ensure_future(self._repository.engage(told))
+        self._writing.add(writing)
+        writing.add_done_callback(self._writing.discard)
         writing.add_done_callback(_log_failure)
         try:
             return await asyncio.shield(writing)  # whoever pressed may be gone already
@@ -52,11 +55,22 @@ class EmergencyStopLatch:
 
     async def release(self, actor: str) -> EmergencyStop:
         """Releases it for all; nothing is released while Redis is out of reach."""
+        if self._writing:  # robots and people know of a stop before Redis does, and this release is of that stop
+            await asyncio.wait(self._writing)
         await self._write()
-        return await self._repository.release(actor, above=self._feeds.epoch)
+        known = self._feeds.emergency_stop
+        # Robots that hold a stop need a greater epoch, also where Redis knows of no stop.
+        above = self._feeds.epoch + 1 if known is not None and known.engaged else self._feeds.epoch
+        return await self._repository.release(actor, above=above)
 
-    def heard(self, stop: EmergencyStop) -> bool:
-        """Takes what Redis says of the latch; whether it changed. When Redis has lost a stop, it is given it again."""
+    async def look(self) -> bool:
+        """Takes what Redis says of the latch; whether that changed anything. When Redis has lost a stop, it is given it again.
+
+        What was heard meanwhile may be newer than what was read: then the next look counts."""
+        before = self._feeds.emergency_stop
+        stop = await self._repository.get()
+        if self._feeds.emergency_stop is not before:
+            return False
         changed = self._feeds.stop(stop)
         known = self._feeds.emergency_stop
         if known is not None and known.engaged and not stop.engaged:

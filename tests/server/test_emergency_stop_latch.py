@@ -12,6 +12,10 @@ from agents.safety import EmergencyStopLatch
 from protocol import keys
 from protocol.clock import SystemClock
 from protocol.messages import EmergencyStop
+from server.live.feeds import CommandFeeds
+from server.live.latch import EmergencyStopLatch as FleetLatch
+from server.repositories.documents import Store
+from server.repositories.emergency_stop import EmergencyStopRepository
 from tests.redis_fixture import RedisServer
 from tests.server.service import PASSWORD, ROBOT, in_process, served, until
 from tests.server.streams import EventStream
@@ -196,6 +200,78 @@ async def test_a_stop_that_redis_lost_is_given_back_to_it(redis_url: str) -> Non
             return raw is not None and json.loads(raw) == engaged
 
         await until(back)
+
+
+class _SlowAnswers(EmergencyStopRepository):
+    """Answers of Redis are held back while `open` is not set; `waiting` says that one is."""
+
+    def __init__(self, store: Store) -> None:
+        super().__init__(store, SystemClock())
+        self.open, self.waiting = asyncio.Event(), asyncio.Event()
+        self.open.set()
+
+    async def get(self) -> EmergencyStop:
+        stop = await super().get()
+        await self._pass()
+        return stop
+
+    async def engage(self, stop: EmergencyStop) -> EmergencyStop:
+        await self._pass()
+        return await super().engage(stop)
+
+    async def _pass(self) -> None:
+        self.waiting.set()
+        await self.open.wait()
+
+    def hold_back(self) -> None:
+        self.open.clear()
+        self.waiting.clear()
+
+
+async def test_an_answer_from_before_the_release_engages_nothing_again(redis_url: str) -> None:
+    async with in_process(redis_url) as service:
+        repository, feeds = _SlowAnswers(Store(service.context.bus.redis)), CommandFeeds()
+        latch = FleetLatch(repository, feeds, SystemClock())
+        engaged = await latch.engage("drill", "operator")
+        repository.hold_back()
+        looking = asyncio.ensure_future(latch.look())
+        await repository.waiting.wait()
+        released = await latch.release("operator")
+        assert feeds.announced(released)
+        repository.open.set()
+        assert not await looking
+        assert not feeds.announced(engaged), "it comes late"
+        assert feeds.emergency_stop == released
+        assert not await latch.look()
+
+
+async def test_a_release_is_of_the_stop_that_is_still_being_written(redis_url: str) -> None:
+    async with in_process(redis_url) as service:
+        repository, feeds = _SlowAnswers(Store(service.context.bus.redis)), CommandFeeds()
+        latch = FleetLatch(repository, feeds, SystemClock())
+        repository.hold_back()
+        pressing = asyncio.ensure_future(latch.engage("drill", "operator"))
+        await repository.waiting.wait()
+        releasing = asyncio.ensure_future(latch.release("operator"))
+        await asyncio.sleep(0)
+        repository.open.set()
+        engaged, released = await pressing, await releasing
+        assert released.epoch > engaged.epoch
+        assert await latch.look()
+        assert await latch.get() == feeds.emergency_stop == released
+
+
+async def test_a_stop_that_only_robots_know_of_can_be_released(redis_url: str) -> None:
+    async with in_process(redis_url) as service:
+        feeds, robot = CommandFeeds(), EmergencyStopLatch()
+        latch = FleetLatch(EmergencyStopRepository(Store(service.context.bus.redis), SystemClock()), feeds, SystemClock())
+        await latch.engage("drill", "operator")
+        released = await latch.release("operator")
+        only_here = EmergencyStop(engaged=True, epoch=released.epoch, stamp_ns=released.stamp_ns)
+        assert feeds.stop(only_here) and robot.update(only_here)
+        again = await latch.release("operator")
+        assert feeds.announced(again) and robot.update(again)
+        assert not robot.engaged
 
 
 async def _without_redis_errors(condition: Callable[[], Awaitable[bool]]) -> bool:
