@@ -1,0 +1,206 @@
+"""Path following in the Frenet frame of the line to drive on, under the name `frenet` (spec gpss, "Better than the report").
+
+The robot is compared with the nearest place on the line (Samson 1993; de Wit 1996): its offset to the left and its heading
+error. Both go to nought over a settling length while the line's own curvature is fed forward. The speed is what curves ahead,
+braking to the line's end and the vehicle's yaw rate allow, as in regulated pursuit: corners are rounded slowly instead of
+cut. At the end the robot stands within millimetres of its estimate, looks again once it stands, and moves up if need be.
+"""
+
+import math
+from dataclasses import dataclass
+from enum import Enum, auto
+
+from agents.control.controller import Goal, Point, Steering
+from agents.control.docking import Dock, DockConfig
+from agents.control.smooth_path import SmoothPath, sections, without_repeats
+from agents.control.speed_profile import SpeedProfile, braking_speed, curve_caps
+from agents.control.turning import Turn, TurningConstants
+from agents.motion import STOP, Twist, clip
+from geometry import SE2, angle_difference
+from protocol.lab import Limits
+
+_SAME_POINT_M = 0.01
+_BEHIND_M = 0.45
+"""A corner that was turned at is remembered while the path still begins before it."""
+_SEEK_M = 1.0
+"""The robot is sought on the first metre of a line it was not on before."""
+_BACK_M, _FORTH_M = 0.1, 0.25
+"""From one round to the next its place on the line moves at most so far."""
+_SLOWEST_MPS = 0.03
+_TURN_SHARE = 0.85
+"""Of the vehicle's yaw rate, for following curves; the rest is for feedback."""
+_LEAST_STRETCH = 0.3
+_AT_CORNER_M = 0.012
+
+
+@dataclass(frozen=True, slots=True)
+class FrenetConfig:
+    """How lines are followed.
+
+    - `corner_cut_m`: by how much a corner may be cut where it is rounded.
+    - `pivot_above_rad`: at sharper corners the robot halts and turns on the spot.
+    - `turn_above_rad`: so far off the line's heading the robot turns on the spot before it drives.
+    - `settle_m`, `settle_s`: offsets go to nought over this length, or the way of this time if that is more.
+    - `lead_s`: until a set-point is what the wheels do (control period, network, motors); the robot is steered from where
+      it will then be.
+    - `braking_mps2`, `lateral_mps2`: accelerations that the speed is planned with.
+    - `approach_per_s`: at the end of the line the speed falls with the way that is left, by this factor.
+    - `tolerance_m`: how near its goal a robot that stands is content.
+    - `swivel_s`: see `TurningConstants`.
+    """
+
+    corner_cut_m: float = 0.02
+    pivot_above_rad: float = 1.9
+    turn_above_rad: float = 1.0
+    settle_m: float = 0.2
+    settle_s: float = 0.5
+    lead_s: float = 0.1
+    braking_mps2: float = 0.5
+    lateral_mps2: float = 0.5
+    approach_per_s: float = 3.0
+    tolerance_m: float = 0.01
+    swivel_s: float = 0.0
+
+
+class _Phase(Enum):
+    FOLLOW = auto()
+    TURN = auto()
+    DOCK = auto()
+
+
+class FrenetController:
+    """One robot's. Where it is on the line is remembered as a place on the floor, for the line comes anew with each command."""
+
+    def __init__(self, limits: Limits, config: FrenetConfig | None = None) -> None:
+        self._limits = limits
+        self._config = config or FrenetConfig()
+        self._turning = TurningConstants(3.0, 0.05, math.radians(4.0), self._config.swivel_s)
+        self.reset()
+
+    def reset(self) -> None:
+        self._phase = _Phase.FOLLOW
+        self._turn: Turn | None = None
+        self._dock: Dock | None = None
+        self._goal: Point | None = None
+        self._anchor: Point | None = None
+        self._foot: Point | None = None
+        self._turned_at: Point | None = None
+        self._points: tuple[Point, ...] = ()
+        self._path: SmoothPath | None = None
+        self._profile: SpeedProfile | None = None
+        self._is_last = True
+
+    def steer(self, pose: SE2, twist: Twist, goal: Goal, now_s: float) -> Steering:
+        distance_m = math.hypot(goal.x - pose.x, goal.y - pose.y)
+        self._meet(pose, goal)
+        if self._phase is _Phase.DOCK and self._dock is not None:
+            docked, rests = self._dock.step(pose, twist, now_s)
+            return Steering(docked, distance_m, 0.0, rests, rests)
+        path, profile = self._path, self._profile
+        if path is None or profile is None:  # the goal is where the robot stands
+            return self._stop(goal, distance_m, 0.0)
+        soon = pose @ SE2.exp(self._config.lead_s * twist.linear_mps, 0.0, self._config.lead_s * twist.angular_radps)
+        way_m = self._progress(path, soon)
+        at = path.at(way_m)
+        error_rad = angle_difference(soon.yaw, at.heading_rad)
+        if self._phase is _Phase.TURN and self._turn is not None:
+            wanted, done = self._turn.step(soon.yaw, twist, now_s)
+            if not done:
+                return Steering(wanted, distance_m, error_rad, False)
+            self._phase, self._turn = _Phase.FOLLOW, None
+        left_m = path.length_m - way_m if self._halts(goal) else math.inf
+        if not self._is_last and left_m < _AT_CORNER_M:
+            end = path.at(path.length_m)
+            self._turned_at = (end.x, end.y)
+            self._points = ()
+            return Steering(STOP, distance_m, error_rad, False)
+        if goal.final and self._is_last and left_m <= self._config.tolerance_m / 3.0:
+            return self._stop(goal, distance_m, error_rad)
+        if abs(error_rad) > self._config.turn_above_rad:
+            self._phase, self._turn = _Phase.TURN, Turn(at.heading_rad, self._limits, self._turning)
+            return Steering(STOP, distance_m, error_rad, False)
+        return Steering(self._follow(soon, twist, goal, way_m, left_m), distance_m, error_rad, False)
+
+    def _follow(self, soon: SE2, twist: Twist, goal: Goal, way_m: float, left_m: float) -> Twist:
+        """The law: offset and heading error at the place on the line where the robot will be."""
+        assert self._path is not None and self._profile is not None
+        config, limits, at = self._config, self._limits, self._path.at(way_m)
+        offset_m = -math.sin(at.heading_rad) * (soon.x - at.x) + math.cos(at.heading_rad) * (soon.y - at.y)
+        error_rad = angle_difference(soon.yaw, at.heading_rad)
+        ahead_m = max(0.0, twist.linear_mps) * config.lead_s
+        allowed = min(goal.speed_mps, limits.speed_mps, self._profile.speed_mps(way_m + ahead_m))
+        if math.isfinite(left_m):
+            allowed = min(allowed, braking_speed(max(0.0, left_m), config.braking_mps2, config.approach_per_s))
+        gained = limits.acceleration_mps2 * config.lead_s
+        speed = clip(allowed, twist.linear_mps - gained, twist.linear_mps + gained)
+        settle_m = max(config.settle_m, config.settle_s * speed)
+        towards_rad = -math.atan(offset_m / (2.0 * settle_m))
+        gain_per_s = max(2.0 * speed / settle_m, 1.0)
+        stretch = max(_LEAST_STRETCH, 1.0 - at.curvature * offset_m)
+        rate = speed * at.curvature * math.cos(error_rad) / stretch + gain_per_s * (towards_rad - error_rad)
+        if abs(rate) > limits.yaw_rate_radps:
+            allowed *= max(0.2, limits.yaw_rate_radps / abs(rate))
+        allowed *= max(0.0, math.cos(error_rad - towards_rad)) ** 2
+        return Twist(max(0.0, allowed), rate).clipped(limits)
+
+    def _stop(self, goal: Goal, distance_m: float, error_rad: float) -> Steering:
+        """At the end: of the journey, or of a line whose goal goes on."""
+        if goal.final:
+            config = self._config
+            dock = DockConfig(config.tolerance_m, config.approach_per_s, config.lead_s)
+            self._phase = _Phase.DOCK
+            self._dock = Dock((goal.x, goal.y), self._limits, dock, self._turning)
+        return Steering(STOP, distance_m, error_rad, False)
+
+    def _halts(self, goal: Goal) -> bool:
+        """Whether the robot is to be able to stop at the end of the line it is on: not at a carrot, which moves on."""
+        return bool(goal.path) or goal.final or not self._is_last
+
+    def _meet(self, pose: SE2, goal: Goal) -> None:
+        """Takes the line of this moment."""
+        place = (goal.x, goal.y)
+        if goal.final and self._goal != place:
+            self._anchor = (pose.x, pose.y)
+            if self._phase is _Phase.DOCK:
+                self._phase, self._dock = _Phase.FOLLOW, None
+        self._goal = place if goal.final else None
+        points = goal.path
+        if len(points) < 2:
+            start = self._anchor if goal.final and self._anchor is not None else (pose.x, pose.y)
+            points = (start, place)
+        if points != self._points:
+            self._points = points
+            self._lay(points)
+
+    def _lay(self, points: tuple[Point, ...]) -> None:
+        """Rounds the line and plans its speeds, as far as the next corner to turn at."""
+        if len(without_repeats(points)) < 2:
+            self._path = self._profile = None
+            return
+        cut = sections(points, self._config.pivot_above_rad)
+        number = self._section(cut)
+        self._is_last = number == len(cut) - 1
+        path = SmoothPath.through(cut[number], self._config.corner_cut_m)
+        most_radps = _TURN_SHARE * self._limits.yaw_rate_radps
+        caps = curve_caps(path, most_radps, self._config.lateral_mps2, _SLOWEST_MPS)
+        self._path, self._profile = path, SpeedProfile(path, caps, self._config.braking_mps2)
+
+    def _section(self, cut: list[list[Point]]) -> int:
+        """The one after the corner that was turned at last, if the line still begins before it."""
+        if self._turned_at is not None and len(cut) > 1:
+            behind_m = sum(math.dist(a, b) for a, b in zip(cut[0], cut[0][1:], strict=False))
+            if behind_m < _BEHIND_M and math.dist(cut[1][0], self._turned_at) < _SAME_POINT_M:
+                return 1
+        self._turned_at = None
+        return 0
+
+    def _progress(self, path: SmoothPath, soon: SE2) -> float:
+        """The way to the place nearest to the robot, from where it was last."""
+        if self._foot is None:
+            way_m = path.nearest(soon.x, soon.y, 0.0, _SEEK_M)
+        else:
+            last_m = path.nearest(*self._foot, 0.0, _SEEK_M)
+            way_m = path.nearest(soon.x, soon.y, last_m - _BACK_M, last_m + _FORTH_M)
+        at = path.at(way_m)
+        self._foot = (at.x, at.y)
+        return way_m
