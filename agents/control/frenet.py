@@ -9,10 +9,11 @@ cut. At the end the robot stands within millimetres of its estimate, looks again
 import math
 from dataclasses import dataclass
 from enum import Enum, auto
+from itertools import pairwise
 
 from agents.control.controller import Goal, Point, Steering
 from agents.control.docking import Dock, DockConfig
-from agents.control.smooth_path import SmoothPath, sections, without_repeats
+from agents.control.smooth_path import SmoothPath, sections
 from agents.control.speed_profile import SpeedProfile, braking_speed, curve_caps
 from agents.control.turning import Turn, TurningConstants
 from agents.motion import STOP, Twist, clip
@@ -22,8 +23,8 @@ from protocol.lab import Limits
 _SAME_POINT_M = 0.01
 _BEHIND_M = 0.45
 """A corner that was turned at is remembered while the path still begins before it."""
-_SEEK_M = 1.0
-"""The robot is sought on the first metre of a line it was not on before."""
+_SEEK_M, _ASIDE_M = 1.0, 0.1
+"""The robot is sought on the first metre of a line that came anew; further on only if it is not near that."""
 _BACK_M, _FORTH_M = 0.1, 0.25
 """From one round to the next its place on the line moves at most so far."""
 _SLOWEST_MPS = 0.03
@@ -84,11 +85,13 @@ class FrenetController:
         self._goal: Point | None = None
         self._anchor: Point | None = None
         self._foot: Point | None = None
+        self._way_m: float | None = None
         self._turned_at: Point | None = None
         self._points: tuple[Point, ...] = ()
         self._path: SmoothPath | None = None
         self._profile: SpeedProfile | None = None
-        self._is_last = True
+        self._sections: list[list[Point]] = [[]]
+        self._number = 0
 
     def steer(self, pose: SE2, twist: Twist, goal: Goal, now_s: float) -> Steering:
         distance_m = math.hypot(goal.x - pose.x, goal.y - pose.y)
@@ -112,7 +115,7 @@ class FrenetController:
         if not self._is_last and left_m < _AT_CORNER_M:
             end = path.at(path.length_m)
             self._turned_at = (end.x, end.y)
-            self._points = ()
+            self._lay(self._number + 1)
             return Steering(STOP, distance_m, error_rad, False)
         if goal.final and self._is_last and left_m <= self._config.tolerance_m / 3.0:
             return self._stop(goal, distance_m, error_rad)
@@ -170,37 +173,44 @@ class FrenetController:
             points = (start, place)
         if points != self._points:
             self._points = points
-            self._lay(points)
+            self._sections = sections(points, self._config.pivot_above_rad)
+            self._lay(self._number_of_section())
 
-    def _lay(self, points: tuple[Point, ...]) -> None:
-        """Rounds the line and plans its speeds, as far as the next corner to turn at."""
-        if len(without_repeats(points)) < 2:
-            self._path = self._profile = None
-            return
-        cut = sections(points, self._config.pivot_above_rad)
-        number = self._section(cut)
-        self._is_last = number == len(cut) - 1
-        path = SmoothPath.through(cut[number], self._config.corner_cut_m)
-        most_radps = _TURN_SHARE * self._limits.yaw_rate_radps
-        caps = curve_caps(path, most_radps, self._config.lateral_mps2, _SLOWEST_MPS)
-        self._path, self._profile = path, SpeedProfile(path, caps, self._config.braking_mps2)
+    def _lay(self, number: int) -> None:
+        """Rounds one section of the line and plans its speeds."""
+        self._number, self._way_m = number, None
+        self._path = self._profile = None
+        section = self._sections[number]
+        if len(section) > 1:
+            most_radps = _TURN_SHARE * self._limits.yaw_rate_radps
+            self._path = SmoothPath.through(section, self._config.corner_cut_m)
+            caps = curve_caps(self._path, most_radps, self._config.lateral_mps2, _SLOWEST_MPS)
+            self._profile = SpeedProfile(self._path, caps, self._config.braking_mps2)
 
-    def _section(self, cut: list[list[Point]]) -> int:
-        """The one after the corner that was turned at last, if the line still begins before it."""
+    def _number_of_section(self) -> int:
+        """The one after the corner that was turned at last, if the line still begins a little before it; or else the first."""
+        cut = self._sections
         if self._turned_at is not None and len(cut) > 1:
-            behind_m = sum(math.dist(a, b) for a, b in zip(cut[0], cut[0][1:], strict=False))
+            behind_m = sum(math.dist(a, b) for a, b in pairwise(cut[0]))
             if behind_m < _BEHIND_M and math.dist(cut[1][0], self._turned_at) < _SAME_POINT_M:
                 return 1
         self._turned_at = None
         return 0
 
+    @property
+    def _is_last(self) -> bool:
+        return self._number == len(self._sections) - 1
+
     def _progress(self, path: SmoothPath, soon: SE2) -> float:
-        """The way to the place nearest to the robot, from where it was last."""
-        if self._foot is None:
-            way_m = path.nearest(soon.x, soon.y, 0.0, _SEEK_M)
-        else:
-            last_m = path.nearest(*self._foot, 0.0, _SEEK_M)
-            way_m = path.nearest(soon.x, soon.y, last_m - _BACK_M, last_m + _FORTH_M)
-        at = path.at(way_m)
+        """The way to the place nearest to the robot, from where it was last. On a line that came anew that place is sought
+        at its beginning first."""
+        if self._way_m is None:
+            around = (soon.x, soon.y) if self._foot is None else self._foot
+            self._way_m = path.nearest(*around, 0.0, _SEEK_M)
+            found = path.at(self._way_m)
+            if math.dist(around, (found.x, found.y)) > _ASIDE_M:
+                self._way_m = path.nearest(*around, 0.0)
+        self._way_m = path.nearest(soon.x, soon.y, self._way_m - _BACK_M, self._way_m + _FORTH_M)
+        at = path.at(self._way_m)
         self._foot = (at.x, at.y)
-        return way_m
+        return self._way_m

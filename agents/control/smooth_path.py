@@ -57,11 +57,11 @@ class SmoothPath:
             after = lengths[corner] * (1.0 if corner == len(corners) - 2 else 0.5)
             bend = _bend(corners[corner], into, out, min(before, after), corner_cut_m)
             samples += [_straight(samples[-1][-1], bend[0]), bend]
-        samples.append(_straight(samples[-1][-1], np.array([*corners[-1], *_tangent(directions[-1])])))
+        end = np.array([[*corners[-1], *_tangent(directions[-1])]])
+        samples += [_straight(samples[-1][-1], end[0]), end]
         table = np.vstack(samples)
         steps = np.hypot(*np.diff(table[:, :2], axis=0).T)
-        kept = np.concatenate([[True], steps > _NEGLIGIBLE_M])
-        table = table[kept]
+        table = table[np.concatenate([[True], steps > 0.1 * _NEGLIGIBLE_M])]
         ways = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(table[:, :2], axis=0).T))])
         return cls(ways, table[:, :2], np.unwrap(table[:, 2]), table[:, 3])
 
