@@ -8,7 +8,6 @@ cut. At the end the robot stands within millimetres of its estimate, looks again
 
 import math
 from dataclasses import dataclass
-from enum import Enum, auto
 from itertools import pairwise
 
 from agents.control.controller import Goal, Point, Steering
@@ -21,8 +20,9 @@ from geometry import SE2, angle_difference
 from protocol.lab import Limits
 
 _SAME_POINT_M = 0.01
-_BEHIND_M = 0.45
-"""A corner that was turned at is remembered while the path still begins before it."""
+_BEHIND_M = 0.65
+"""A corner that was turned at is remembered while the line begins no further before it: guidance tells 0.3 m behind the robot,
+and a robot that drives back along a sharp corner is itself behind it."""
 _SEEK_M, _ASIDE_M = 1.0, 0.1
 """The robot is sought on the first metre of a line that came anew; further on only if it is not near that."""
 _BACK_M, _FORTH_M = 0.1, 0.25
@@ -30,8 +30,13 @@ _BACK_M, _FORTH_M = 0.1, 0.25
 _SLOWEST_MPS = 0.03
 _TURN_SHARE = 0.85
 """Of the vehicle's yaw rate, for following curves; the rest is for feedback."""
+_YAW_STEP_S = 0.08
+"""Where the curvature jumps the yaw rate does too; by no more than what the vehicle makes up for in this time."""
 _LEAST_STRETCH = 0.3
-_AT_CORNER_M = 0.012
+_AT_CORNER_M, _NEAR_CORNER_M, _STANDS_MPS = 0.012, 0.05, 0.01
+_FACES_RAD = 0.1
+"""A turn before driving need not be finished to be driven on from."""
+_ANOTHER_RAD = 0.3
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,23 +68,18 @@ class FrenetConfig:
     swivel_s: float = 0.0
 
 
-class _Phase(Enum):
-    FOLLOW = auto()
-    TURN = auto()
-    DOCK = auto()
-
-
 class FrenetController:
     """One robot's. Where it is on the line is remembered as a place on the floor, for the line comes anew with each command."""
 
     def __init__(self, limits: Limits, config: FrenetConfig | None = None) -> None:
         self._limits = limits
         self._config = config or FrenetConfig()
-        self._turning = TurningConstants(3.0, 0.05, math.radians(4.0), self._config.swivel_s)
+        self._turning = TurningConstants(
+            tolerance_rad=_FACES_RAD, looks_s=0.0, lead_s=self._config.lead_s, swivel_s=self._config.swivel_s
+        )
         self.reset()
 
     def reset(self) -> None:
-        self._phase = _Phase.FOLLOW
         self._turn: Turn | None = None
         self._dock: Dock | None = None
         self._goal: Point | None = None
@@ -96,7 +96,7 @@ class FrenetController:
     def steer(self, pose: SE2, twist: Twist, goal: Goal, now_s: float) -> Steering:
         distance_m = math.hypot(goal.x - pose.x, goal.y - pose.y)
         self._meet(pose, goal)
-        if self._phase is _Phase.DOCK and self._dock is not None:
+        if self._dock is not None:
             docked, rests = self._dock.step(pose, twist, now_s)
             return Steering(docked, distance_m, 0.0, rests, rests)
         path, profile = self._path, self._profile
@@ -106,21 +106,25 @@ class FrenetController:
         way_m = self._progress(path, soon)
         at = path.at(way_m)
         error_rad = angle_difference(soon.yaw, at.heading_rad)
-        if self._phase is _Phase.TURN and self._turn is not None:
-            wanted, done = self._turn.step(soon.yaw, twist, now_s)
-            if not done:
-                return Steering(wanted, distance_m, error_rad, False)
-            self._phase, self._turn = _Phase.FOLLOW, None
+        if self._turn is not None:
+            if abs(angle_difference(self._turn.target_rad, at.heading_rad)) > _ANOTHER_RAD:
+                self._turn = None  # the line is another one
+            else:
+                wanted, done = self._turn.step(pose.yaw, twist, now_s)
+                if not done:
+                    return Steering(wanted, distance_m, error_rad, False)
+                self._turn = None
         left_m = path.length_m - way_m if self._halts(goal) else math.inf
         if not self._is_last and left_m < _AT_CORNER_M:
             end = path.at(path.length_m)
-            self._turned_at = (end.x, end.y)
-            self._lay(self._number + 1)
+            if math.hypot(end.x - pose.x, end.y - pose.y) < _NEAR_CORNER_M or abs(twist.linear_mps) < _STANDS_MPS:
+                self._turned_at = (end.x, end.y)
+                self._lay(self._number + 1)
             return Steering(STOP, distance_m, error_rad, False)
         if goal.final and self._is_last and left_m <= self._config.tolerance_m / 3.0:
             return self._stop(goal, distance_m, error_rad)
         if abs(error_rad) > self._config.turn_above_rad:
-            self._phase, self._turn = _Phase.TURN, Turn(at.heading_rad, self._limits, self._turning)
+            self._turn = Turn(at.heading_rad, self._limits, self._turning)
             return Steering(STOP, distance_m, error_rad, False)
         return Steering(self._follow(soon, twist, goal, way_m, left_m), distance_m, error_rad, False)
 
@@ -151,7 +155,6 @@ class FrenetController:
         if goal.final:
             config = self._config
             dock = DockConfig(config.tolerance_m, config.approach_per_s, config.lead_s)
-            self._phase = _Phase.DOCK
             self._dock = Dock((goal.x, goal.y), self._limits, dock, self._turning)
         return Steering(STOP, distance_m, error_rad, False)
 
@@ -164,8 +167,7 @@ class FrenetController:
         place = (goal.x, goal.y)
         if goal.final and self._goal != place:
             self._anchor = (pose.x, pose.y)
-            if self._phase is _Phase.DOCK:
-                self._phase, self._dock = _Phase.FOLLOW, None
+            self._dock = None
         self._goal = place if goal.final else None
         points = goal.path
         if len(points) < 2:
@@ -184,7 +186,13 @@ class FrenetController:
         if len(section) > 1:
             most_radps = _TURN_SHARE * self._limits.yaw_rate_radps
             self._path = SmoothPath.through(section, self._config.corner_cut_m)
-            caps = curve_caps(self._path, most_radps, self._config.lateral_mps2, _SLOWEST_MPS)
+            caps = curve_caps(
+                self._path,
+                most_radps,
+                _YAW_STEP_S * self._limits.yaw_acceleration_radps2,
+                self._config.lateral_mps2,
+                _SLOWEST_MPS,
+            )
             self._profile = SpeedProfile(self._path, caps, self._config.braking_mps2)
 
     def _number_of_section(self) -> int:

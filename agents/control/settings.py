@@ -17,7 +17,7 @@ from protocol.lab.base import LabModel
 FRENET: Mapping[str, FrenetConfig] = {
     "wifibot": FrenetConfig(),
     "turtlebot": FrenetConfig(),
-    "agv": FrenetConfig(lead_s=0.2, swivel_s=1.1),
+    "agv": FrenetConfig(pivot_above_rad=0.7, lead_s=0.2, swivel_s=1.1),
     "freke": FrenetConfig(),
 }
 GO_TO_GOAL: Mapping[str, GoToGoalConfig] = dict.fromkeys(FRENET, GoToGoalConfig())

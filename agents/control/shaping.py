@@ -17,7 +17,7 @@ class Ramp:
     """One velocity (m/s or rad/s) with limited first and second derivatives.
 
     Towards a target it gains as much acceleration as can still be taken back before the target is met, so that a target that
-    stays is met without overshoot. A change of direction passes through standstill.
+    stays is met without overshoot (but for what the last step cannot take back). A change of direction passes through standstill.
     """
 
     def __init__(self, gaining: float, losing: float, jerk: float) -> None:
@@ -51,8 +51,8 @@ class Ramp:
         wanted = 0.5 * change * (math.sqrt(1.0 + 8.0 * abs(missing) / (change * step_s)) - 1.0)
         wanted = math.copysign(min(limit, wanted, abs(missing) / step_s), missing)
         self.acceleration = clip(wanted, self.acceleration - change, self.acceleration + change)
-        self.velocity += self.acceleration * step_s
-        if target == 0.0 and abs(self.velocity) < _STANDS:
+        before, self.velocity = self.velocity, self.velocity + self.acceleration * step_s
+        if target == 0.0 and (before * self.velocity < 0.0 or abs(self.velocity) < _STANDS):
             self.restart(0.0)
         return self.velocity
 

@@ -9,6 +9,9 @@ from agents.control.smooth_path import SmoothPath
 
 Array = NDArray[np.float64]
 
+_STRAIGHT = 1e-6
+_JUMP_M = 0.01
+
 
 class SpeedProfile:
     """The speed by the way along a line, such that braking by `braking_mps2` is always enough for what comes."""
@@ -27,11 +30,16 @@ class SpeedProfile:
         return math.sqrt(max(0.0, squared))
 
 
-def curve_caps(path: SmoothPath, yaw_rate_radps: float, lateral_mps2: float, slowest_mps: float) -> Array:
-    """The most at each sample (N,) such that neither the yaw rate nor the acceleration to the side is exceeded; never less
-    than `slowest_mps`, so that the tightest bend is got through."""
-    bent = np.maximum(np.abs(path.curvatures), 1e-6)
-    return np.maximum(np.minimum(yaw_rate_radps / bent, np.sqrt(lateral_mps2 / bent)), slowest_mps)
+def curve_caps(
+    path: SmoothPath, yaw_rate_radps: float, yaw_step_radps: float, lateral_mps2: float, slowest_mps: float
+) -> Array:
+    """The most at each sample (N,) such that neither the yaw rate, nor its change within a centimetre, nor the acceleration to
+    the side is exceeded; never less than `slowest_mps`, so that the tightest bend is got through."""
+    bent = np.maximum(np.abs(path.curvatures), _STRAIGHT)
+    caps = np.minimum(yaw_rate_radps / bent, np.sqrt(lateral_mps2 / bent))
+    jumps = np.abs(np.diff(path.curvatures)) * np.minimum(1.0, _JUMP_M / np.diff(path.ways))
+    around = np.maximum(np.append(jumps, 0.0), np.append(0.0, jumps))
+    return np.maximum(np.minimum(caps, yaw_step_radps / np.maximum(around, _STRAIGHT)), slowest_mps)
 
 
 def braking_speed(left_m: float, braking_mps2: float, approach_per_s: float) -> float:

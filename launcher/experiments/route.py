@@ -24,7 +24,7 @@ from launcher.paths import ROOT
 from protocol.lab import Lab, VehicleSpec
 
 LAB = ROOT / "labs/kinds.yaml"
-CAMERA = Camera(15.0, 0.08, 0.005, radians(0.5), outliers=0.01)
+CAMERA = Camera(15.0, 0.08, 0.005, radians(0.5))
 SPEED_MPS = 0.5
 _SPEED_SHARE = 0.8
 """Slower where a vehicle cannot do that easily."""
