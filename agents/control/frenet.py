@@ -57,7 +57,7 @@ class FrenetConfig:
 
     corner_cut_m: float = 0.02
     pivot_above_rad: float = 1.9
-    turn_above_rad: float = 1.0
+    turn_above_rad: float = math.radians(65.0)
     settle_m: float = 0.2
     settle_s: float = 0.5
     lead_s: float = 0.1

@@ -122,16 +122,15 @@ class _Guidance:
         if seen is None or not go:
             return self._command(now_ns, Movement.WAITING)
         sight = Sight(SE2(seen.x, seen.y, seen.yaw), at_rest, now_s)
-        progress = self._follower.advance(self._plan, self._progress, sight)
-        last = len(self._plan.stops) - 1
+        progress = self._progress if self._progress.done else self._follower.advance(self._plan, self._progress, sight)
+        self._progress = progress
         if progress.done:
-            stop = self._plan.stops[last]
+            stop = self._plan.stops[-1]
             x, y = stop.point
             final = Target(x=x, y=y, yaw=stop.waypoint.yaw)
             if stop.waypoint.yaw is not None:
                 return self._command(now_ns, Movement.ROTATE, final, final=True)
             return self._command(now_ns, Movement.MOVE_TO, final, self._speed_mps, final=True, path=self._path)
-        self._progress = progress
         here = extrapolated(seen, (now_ns - seen.stamp_ns) / 1e9)
         goal = self._follower.goal(self._plan, progress.leg, Sight(here, at_rest, now_s), self._speed_mps)
         if goal.turn_to is not None:

@@ -89,7 +89,7 @@ def test_gets_to_its_target_and_stays(name: str, x: float, y: float, yaw: float)
     ride.run(to(x, y), 30.0)
     assert ride.reached_s is not None
     assert ride.plant.twist == STOP
-    assert distance(ride.plant.pose, x, y) <= {"gpss": 0.12, "go_to_goal": 0.2, "frenet": 0.01}[name]
+    assert distance(ride.plant.pose, x, y) <= {"gpss": 0.15, "go_to_goal": 0.2, "frenet": 0.01}[name]
     stands = ride.plant.pose
     ride.run(to(x, y), 3.0)
     assert ride.plant.pose == stands

@@ -74,7 +74,7 @@ def test_sections_end_at_corners_too_sharp_to_drive() -> None:
 
 def test_speeds_leave_room_to_brake_for_what_comes() -> None:
     path = SmoothPath.through([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0)], 0.02)
-    profile = SpeedProfile(path, curve_caps(path, 1.0, 0.5, 0.03), 0.5)
+    profile = SpeedProfile(path, curve_caps(path, 1.0, 0.3, 0.5, 0.03), 0.5)
     ways = np.linspace(0.0, path.length_m, 500)
     squared = np.array([profile.speed_mps(float(way)) for way in ways]) ** 2
     assert np.all(np.diff(squared) >= -2 * 0.5 * (ways[1] - ways[0]) - 1e-9)
@@ -87,3 +87,13 @@ def test_braking_is_never_harder_than_planned(left_m: float) -> None:
     speed, later = braking_speed(left_m, 0.5, 3.0), braking_speed(max(0.0, left_m - 1e-4), 0.5, 3.0)
     assert later <= speed
     assert (speed**2 - later**2) / 2e-4 <= 0.5 + 1e-3
+
+
+def test_speeds_are_low_where_the_curvature_jumps() -> None:
+    """Into a bend the yaw rate changes at once; within the bend it changes little."""
+    path = SmoothPath.through([(0.0, 0.0), (1.0, 0.0), (1.6, 0.3)], 0.02)
+    caps = curve_caps(path, 10.0, 0.3, 100.0, 0.03)
+    curvatures = np.abs(path.curvatures)
+    starts = int(np.argmax(curvatures > 0.0))
+    assert caps[starts] == pytest.approx(0.3 / curvatures[starts], rel=0.05)
+    assert caps[0] > 100.0
