@@ -23,7 +23,7 @@ _SAME_POINT_M = 0.01
 _BEHIND_M = 0.65
 """A corner that was turned at is remembered while the line begins no further before it: guidance tells 0.3 m behind the robot,
 and a robot that drives back along a sharp corner is itself behind it."""
-_SEEK_M, _ASIDE_M = 1.0, 0.1
+_SEEK_M, _ASIDE_M = 1.0, 0.5
 """The robot is sought on the first metre of a line that came anew; further on only if it is not near that."""
 _BACK_M, _FORTH_M = 0.1, 0.25
 """From one round to the next its place on the line moves at most so far."""

@@ -4,6 +4,7 @@ import heapq
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from geometry import SE2
 from launcher.experiments.fusion_camera import Camera
@@ -67,7 +68,7 @@ class CeilingCamera:
             cameras=("camera",),
         )
 
-    def _outlier(self) -> np.ndarray:
+    def _outlier(self) -> NDArray[np.float64]:
         """What is added to a pose (3,): nothing but for the share; half of the wrong ones are turned too."""
         chosen = self._rng.random() < self._camera.outliers
         distance = math.exp(self._rng.uniform(*np.log(_OUTLIER_M)))

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 
 from agents.control.smooth_path import SmoothPath, sections
 from agents.control.speed_profile import SpeedProfile, braking_speed, curve_caps
@@ -14,7 +15,7 @@ from agents.control.speed_profile import SpeedProfile, braking_speed, curve_caps
 POINTS = st.lists(st.tuples(st.floats(-5, 5), st.floats(-5, 5)), min_size=2, max_size=10)
 
 
-def distance_from(line: list[tuple[float, float]], place: np.ndarray) -> float:
+def distance_from(line: list[tuple[float, float]], place: NDArray[np.float64]) -> float:
     found = math.inf
     for start, end in itertools.pairwise(line):
         a, step = np.array(start), np.subtract(end, start)
