@@ -61,7 +61,7 @@ def to(x: float, y: float, *, path: Points = (), speed: float = 0.4, yaw: float 
 
 
 @pytest.mark.parametrize("name", CONTROLLERS)
-@settings(deadline=None, max_examples=25)
+@settings(deadline=None, max_examples=15)
 @given(x=st.floats(-2.0, 2.0), y=st.floats(-2.0, 2.0), yaw=st.floats(-3.1, 3.1), speed=st.floats(0.05, 1.5))
 def test_movements_keep_the_limits_of_speed_acceleration_and_jerk(
     name: str, x: float, y: float, yaw: float, speed: float
@@ -77,8 +77,8 @@ def test_movements_keep_the_limits_of_speed_acceleration_and_jerk(
         assert -limits.braking_mps2 - 1e-6 <= linear <= limits.braking_mps2 + 1e-6
         assert abs(angular) <= limits.yaw_acceleration_radps2 + 1e-6
         if b != STOP:
-            assert abs(linear - before_linear) <= limits.jerk_mps3 / 20 + 0.05
-            assert abs(angular - before_angular) <= limits.yaw_jerk_radps3 / 20 + 0.2
+            assert abs(linear - before_linear) <= limits.jerk_mps3 / 20 * 1.13
+            assert abs(angular - before_angular) <= limits.yaw_jerk_radps3 / 20 * 1.13
         before_linear, before_angular = linear, angular
 
 
@@ -95,7 +95,7 @@ def test_gets_to_its_target_and_stays(name: str, x: float, y: float, yaw: float)
     assert ride.plant.pose == stands
 
 
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=20)
 @given(st.floats(0.02, 3.0), st.floats(-math.pi, math.pi), st.sampled_from([0.1, 0.3, 0.8]))
 def test_stands_within_a_centimetre_of_any_place_around_it(distance_m: float, bearing: float, speed: float) -> None:
     x, y = distance_m * math.cos(bearing), distance_m * math.sin(bearing)

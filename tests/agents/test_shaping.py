@@ -37,7 +37,7 @@ def test_a_ramp_keeps_its_limits_whatever_is_asked(targets: list[tuple[float, in
 def test_a_ramp_meets_its_target_without_overshoot(target: float, step_s: float) -> None:
     ramp = Ramp(gaining=0.5, losing=2.0, jerk=4.0)
     course = [ramp.step(target, step_s) for _ in range(round(4.0 / step_s))]
-    assert max(course) <= target * 1.001
+    assert max(course) <= target + 4.0 * step_s**2 / 8.0 + ROUNDING
     assert course[-1] == pytest.approx(target, rel=2e-3)
     down = [ramp.step(0.0, step_s) for _ in range(round(3.0 / step_s))]
     assert min(down) >= 0.0
@@ -55,6 +55,5 @@ def test_a_shaper_goes_on_from_what_the_robot_does() -> None:
 
 def test_a_shaper_does_not_run_away_from_a_robot_that_is_held() -> None:
     shaper = TwistShaper(LIMITS)
-    for tick in range(100):
-        found = shaper.shaped(Twist(0.8, 0.0), STOP, tick / 20)
-    assert found.linear_mps <= 0.3
+    found = [shaper.shaped(Twist(0.8, 0.0), STOP, tick / 20).linear_mps for tick in range(100)]
+    assert max(found) <= 0.3

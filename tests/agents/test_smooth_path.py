@@ -24,7 +24,7 @@ def distance_from(line: list[tuple[float, float]], place: NDArray[np.float64]) -
     return found
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=30)
 @given(POINTS, st.floats(0.005, 0.1))
 def test_a_line_leaves_its_corners_by_no_more_than_it_may(points: list[tuple[float, float]], cut_m: float) -> None:
     if len({(round(x, 2), round(y, 2)) for x, y in points}) < 2:
