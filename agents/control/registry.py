@@ -14,7 +14,7 @@ CONTROLLERS: dict[str, Callable[[VehicleSpec], PathController]] = {
     "go_to_goal": lambda vehicle: GoToGoalController(vehicle.limits, go_to_goal_config(vehicle)),
     "frenet": lambda vehicle: FrenetController(vehicle.limits, frenet_config(vehicle)),
 }
-DEFAULT_CONTROLLER = "gpss"
+DEFAULT_CONTROLLER = "frenet"
 
 
 def controller_name(vehicle: VehicleSpec, chosen: str | None = None) -> str:

@@ -23,13 +23,16 @@ class RouteCourse:
     def length_m(self) -> float:
         return sum(math.dist(a, b) for a, b in zip(self.points, self.points[1:], strict=False))
 
-    def plan(self, area: str, speed_mps: float) -> tuple[Route, dict[str, Waypoint]]:
-        """As the operator enters it: a waypoint at every point but the start, driven once at this speed."""
+    def plan(self, area: str, speed_mps: float, radius_m: float) -> tuple[Route, dict[str, Waypoint]]:
+        """As the operator enters it: a waypoint at every point but the start, reached within the radius, driven once at this
+        speed."""
         waypoints: dict[str, Waypoint] = {}
         for number, (x, y) in enumerate(self.points[1:], start=1):
             last = number == len(self.points) - 1
             name = f"{self.name}-{number}"
-            waypoints[name] = Waypoint(id=name, area=area, x=x, y=y, yaw=self.yaw_rad if last else None)
+            waypoints[name] = Waypoint(
+                id=name, area=area, x=x, y=y, radius_m=radius_m, yaw=self.yaw_rad if last else None
+            )
         return Route(id=self.name, legs=tuple(Leg(waypoint=name, speed_mps=speed_mps) for name in waypoints)), waypoints
 
 

@@ -19,14 +19,16 @@ def plot_route(tracks: Sequence[Track], path: Path) -> None:
     """Writes a PNG with a row for each vehicle: the courses side by side, the offsets' distribution, and the speed on one
     course; of the first seed. Its folder is made when there is none. OSError when it cannot be written."""
     kinds = list(dict.fromkeys(track.trial.vehicle.id for track in tracks))
-    figure = Figure(figsize=(19.0, 3.6 * len(kinds)), layout="constrained")
+    figure = Figure(figsize=(15.0, 5.2 * len(kinds)), layout="constrained")
     FigureCanvasAgg(figure)
-    rows = figure.subplots(len(kinds), 3, squeeze=False, width_ratios=(3.4, 1.0, 1.0))
-    for kind, (floor, spread, speed) in zip(kinds, rows, strict=True):
+    rows = figure.subfigures(len(kinds), 1, squeeze=False)[:, 0]
+    for kind, row in zip(kinds, rows, strict=True):
         own = [track for track in tracks if track.trial.vehicle.id == kind]
-        _draw_floor(floor, [track for track in own if track.trial.seed == own[0].trial.seed], kind)
-        _draw_spread(spread, own)
-        _draw_speed(speed, [track for track in own if track.trial.seed == own[0].trial.seed])
+        first = [track for track in own if track.trial.seed == own[0].trial.seed]
+        axes = row.subplot_mosaic([["floor", "floor"], ["spread", "speed"]], height_ratios=(1.25, 1.0))
+        _draw_floor(axes["floor"], first, kind)
+        _draw_spread(axes["spread"], own)
+        _draw_speed(axes["speed"], first)
     path.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path, dpi=80)
 
@@ -41,9 +43,9 @@ def _draw_floor(axes: Axes, tracks: Sequence[Track], kind: str) -> None:
         for track in own:
             controller = track.trial.controller
             axes.plot(track.poses[:, 0] + shift, track.poses[:, 1], color=_COLOURS[controller], linewidth=0.8)
-        axes.text(right_m, line[:, 1].max() + 0.15, name, fontsize="small")
+        axes.text(right_m, -0.8, name, fontsize="small")
         right_m += float(np.ptp(line[:, 0])) + _GAP_M
-    axes.set(title=kind, xlabel="m", ylabel="m", aspect="equal")
+    axes.set(title=kind, ylabel="m", aspect="equal", ylim=(-1.1, 3.1))
 
 
 def _draw_spread(axes: Axes, tracks: Sequence[Track]) -> None:
