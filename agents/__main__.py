@@ -13,7 +13,7 @@ import signal
 from collections.abc import Mapping, Sequence
 
 from agents.agent import Agent, AgentConfig
-from agents.control import CONTROLLERS, DEFAULT_CONTROLLER
+from agents.control import CONTROLLERS, controller_name
 from agents.drivers import DriverSite, UnknownDriverError, make_driver
 from agents.estimation import DEFAULT_ESTIMATOR, ESTIMATORS
 from agents.link import server_host
@@ -49,7 +49,8 @@ def main(arguments: Sequence[str] | None = None, environment: Mapping[str, str] 
     config = AgentConfig(
         lab, vehicle, settings.server_url, settings.token, settings.udp_key, options.controller, options.estimator
     )
-    _logger.info("%s, controller %s, estimator %s", settings, config.controller, config.estimator)
+    driven_by = controller_name(vehicle, config.controller)
+    _logger.info("%s, controller %s, estimator %s", settings, driven_by, config.estimator)
     asyncio.run(_run(Agent(config, driver, clock)))
 
 
@@ -79,7 +80,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--lab", help="lab file (LILLIPUT_LAB)")
     parser.add_argument("--server", help="the server's address (LILLIPUT_SERVER), e.g. http://10.0.0.5:8000")
     parser.add_argument("--token", help="the robot's token (better: LILLIPUT_TOKEN, which other users cannot read)")
-    parser.add_argument("--controller", choices=sorted(CONTROLLERS), default=DEFAULT_CONTROLLER)
+    parser.add_argument("--controller", choices=sorted(CONTROLLERS), help="(default: the lab file's)")
     parser.add_argument("--estimator", choices=sorted(ESTIMATORS), default=DEFAULT_ESTIMATOR)
     return parser
 

@@ -15,7 +15,7 @@ from contextlib import AsyncExitStack, suppress
 from dataclasses import dataclass, field
 
 from agents.consistency_log import ConsistencyLog
-from agents.control import CONTROLLERS, DEFAULT_CONTROLLER
+from agents.control import CONTROLLERS, controller_name
 from agents.drivers import Driver, DriverError
 from agents.estimation import DEFAULT_ESTIMATOR, ESTIMATORS
 from agents.link import (
@@ -47,14 +47,15 @@ _logger = logging.getLogger(__name__)
 
 @dataclass(frozen=True, slots=True)
 class AgentConfig:
-    """Which robot, in which lab, under which server; `controller` and `estimator` are names of their registries."""
+    """Which robot, in which lab, under which server; `controller` (None: the lab file's, or the default) and `estimator`
+    are names of their registries."""
 
     lab: Lab
     vehicle: VehicleSpec
     server_url: str
     token: str = field(repr=False)
     udp_key: bytes | None = field(default=None, repr=False)
-    controller: str = DEFAULT_CONTROLLER
+    controller: str | None = None
     estimator: str = DEFAULT_ESTIMATOR
 
 
@@ -63,9 +64,8 @@ class Agent:
 
     def __init__(self, config: AgentConfig, driver: Driver, clock: Clock) -> None:
         vehicle = config.vehicle
-        self.pilot = Pilot(
-            config.lab, vehicle, ESTIMATORS[config.estimator](), CONTROLLERS[config.controller](vehicle.limits)
-        )
+        controller = CONTROLLERS[controller_name(vehicle, config.controller)](vehicle)
+        self.pilot = Pilot(config.lab, vehicle, ESTIMATORS[config.estimator](), controller)
         self.socket = RobotSocket(vehicle.id, config.udp_key, clock, self._on_pose)
         self._config = config
         self._driver = driver

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from agents.answering import Answers
-from agents.control import Executor, PathController
+from agents.control import Executor, PathController, turning_constants
 from agents.drivers import OdometryReading
 from agents.estimation import Localization, NisReport, PoseEstimator
 from agents.motion import STOP, Twist
@@ -53,7 +53,7 @@ class Pilot:
         self._lab = lab
         self._vehicle = vehicle
         self._estimator = estimator
-        self._executor = Executor(controller, vehicle.limits)
+        self._executor = Executor(controller, vehicle.limits, turning_constants(vehicle))
         self._front = FrontGuard()
         self._answers = Answers(vehicle)
         self._reading: OdometryReading | None = None

@@ -94,7 +94,7 @@ class GpssController:
     def reset(self) -> None:
         self._goal, self._nearest_m, self._again, self._facing = None, math.inf, False, False
 
-    def steer(self, pose: SE2, twist: Twist, goal: Goal) -> Steering:  # noqa: ARG002  # the law does not use the twist
+    def steer(self, pose: SE2, twist: Twist, goal: Goal, now_s: float) -> Steering:  # noqa: ARG002  # a law of the pose alone
         if self._goal is None or (goal.x, goal.y) != (self._goal.x, self._goal.y):
             self.reset()
         self._goal = goal

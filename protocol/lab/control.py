@@ -14,7 +14,8 @@ Angle = Annotated[float, Field(gt=0, le=3.15)]
 class GpssControl(LabModel):
     """Of the report's controller; the report's own constants are not for setting."""
 
-    beyond_m: NonNegative | None = None
+    passed_m: Positive | None = None
+    face_rad: Angle | None = None
 
 
 class GoToGoalControl(LabModel):
@@ -29,15 +30,16 @@ class FrenetControl(LabModel):
     """Of the path-following controller."""
 
     corner_cut_m: Positive | None = None
+    pivot_above_rad: Angle | None = None
+    turn_above_rad: Angle | None = None
     settle_m: Positive | None = None
     settle_s: Positive | None = None
-    bend_s: Positive | None = None
     lead_s: NonNegative | None = None
     braking_mps2: Positive | None = None
     lateral_mps2: Positive | None = None
     approach_per_s: Positive | None = None
     tolerance_m: Positive | None = None
-    turn_above_rad: Angle | None = None
+    swivel_s: NonNegative | None = None
 
 
 class ControlSpec(LabModel):

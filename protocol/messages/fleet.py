@@ -5,7 +5,18 @@ from typing import Annotated, Self
 
 from pydantic import ConfigDict, Field, model_validator
 
-from protocol.messages.base import NUMERIC, Counted, Finite, Flag, Identifier, Message, NonNegative, PointXY, Positive, StampNs
+from protocol.messages.base import (
+    NUMERIC,
+    Counted,
+    Finite,
+    Flag,
+    Identifier,
+    Message,
+    NonNegative,
+    PointXY,
+    Positive,
+    StampNs,
+)
 
 Order = tuple[Counted, Counted]
 """(epoch, sequence) of a command."""

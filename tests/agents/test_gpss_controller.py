@@ -69,7 +69,7 @@ def test_never_leaves_its_limits(
     twist = gpss_law(SE2(x, y, yaw), Goal(goal_x, goal_y, speed, final)).twist
     assert 0.0 <= twist.linear_mps <= speed
     assert twist.angular_radps == 0.0 or 0.01 <= abs(twist.angular_radps) <= 1.0
-    clipped = GpssController(LIMITS).steer(SE2(x, y, yaw), STOP, Goal(goal_x, goal_y, speed, final)).twist
+    clipped = GpssController(LIMITS).steer(SE2(x, y, yaw), STOP, Goal(goal_x, goal_y, speed, final), 0.0).twist
     assert abs(clipped.linear_mps) <= LIMITS.speed_mps
 
 
@@ -97,7 +97,7 @@ def test_gets_to_every_target_around_it(distance_m: float, error_deg: float, spe
     plant, controller = Plant(SE2.identity()), GpssController(LIMITS)
     goal = goal_at(distance_m, error_deg, speed=speed)
     for _ in range(20 * 120):
-        steering = controller.steer(plant.pose, plant.twist, goal)
+        steering = controller.steer(plant.pose, plant.twist, goal, 0.0)
         if steering.reached:
             break
         plant.setpoint = steering.twist
