@@ -6,7 +6,8 @@ current (snapshot first, then the stream), so a subscriber need not know that an
 """
 
 import logging
-from collections.abc import AsyncIterator, Iterable
+from collections.abc import AsyncGenerator, Iterable, Mapping
+from contextlib import aclosing
 from dataclasses import dataclass
 from typing import Any, Generic, Self, TypeVar, cast
 
@@ -45,6 +46,14 @@ class Received(Generic[M]):
     channel: Channel[M]
     instance: str
     message: M
+
+
+@dataclass(frozen=True, slots=True)
+class ReceivedRaw:
+    """Messages of a channel that arrived together, by instance, still encoded."""
+
+    channel: Channel[Any]
+    messages: Mapping[str, bytes]
 
 
 class SyncBus:
@@ -89,7 +98,7 @@ class SyncBus:
             raw = cast("dict[bytes, bytes]", self.redis.hgetall(keys.live(channel.name)))
         except UNAVAILABLE:
             return {}
-        return _decoded(channel, raw)
+        return _decoded(channel, _named(channel, raw))
 
     def close(self) -> None:
         _tell_dropped(self.dropped)
@@ -151,11 +160,7 @@ class Bus:
 
     async def latest_all(self, channel: Channel[M]) -> dict[str, M]:
         """The newest message of every instance. BusUnavailableError while Redis is out of reach."""
-        try:
-            raw = cast("dict[bytes, bytes]", await self.redis.hgetall(keys.live(channel.name)))  # pyright: ignore[reportGeneralTypeIssues]  # typed for both clients
-        except UNAVAILABLE as error:
-            raise BusUnavailableError(f"cannot read {channel.name}: {error}") from error
-        return _decoded(channel, raw)
+        return _decoded(channel, await self._latest_raw(channel))
 
     async def history(self, channel: Channel[M], count: int = 100) -> list[Received[M]]:
         """The newest `count` messages of an EVERY channel, oldest first. BusUnavailableError while Redis is out of reach."""
@@ -166,12 +171,21 @@ class Bus:
         received = (_from_entry(channel, fields) for _, fields in reversed(cast("list[Any]", entries)))
         return [item for item in received if item is not None]
 
-    async def subscribe(self, *channels: Channel[Any], instance: str | None = None) -> AsyncIterator[Received[Any]]:
+    async def subscribe(self, *channels: Channel[Any], instance: str | None = None) -> AsyncGenerator[Received[Any]]:
         """What is current on the LATEST channels, then everything new, for ever; of one instance or of all.
 
         What is current is read only when Redis has confirmed the subscription, so that nothing falls between the two.
         Cancel the task or close the generator to end it.
         """
+        async with aclosing(self.subscribe_raw(*channels, instance=instance)) as said:
+            async for together in said:
+                for name, data in together.messages.items():
+                    received = _received(together.channel, name, data)
+                    if received is not None:
+                        yield received
+
+    async def subscribe_raw(self, *channels: Channel[Any], instance: str | None = None) -> AsyncGenerator[ReceivedRaw]:
+        """As `subscribe`, without decoding: for who passes messages on, or needs few of many."""
         topics = {keys.topic(channel.name, instance or "*"): channel for channel in channels}
         by_name = {channel.name: channel for channel in channels}
         delay_s = _FIRST_RETRY_S
@@ -191,19 +205,24 @@ class Bus:
                             # Also after a reconnection that redis-py made by itself: what was said meanwhile is lost.
                             confirmed.clear()
                             for channel in channels:
-                                for name, message in (await self.latest_all(channel)).items():
-                                    if instance is None or name == instance:
-                                        yield Received(channel, name, message)
+                                current = await self._latest_raw(channel)
+                                yield ReceivedRaw(channel, _only(instance, current))
                             delay_s = _FIRST_RETRY_S
                         elif item["type"] == "pmessage":
                             _, _, name, source = cast("bytes", item["channel"]).split(b":", 3)
-                            received = _received(by_name[name.decode()], source, cast("bytes", item["data"]))
-                            if received is not None:
-                                yield received
+                            channel = by_name[name.decode()]
+                            yield ReceivedRaw(channel, _named(channel, {source: cast("bytes", item["data"])}))
             except (*UNAVAILABLE, BusUnavailableError) as error:
                 _logger.warning("Redis is out of reach, retrying in %.2f s: %s", delay_s, error)
                 await self._clock.sleep(delay_s)
                 delay_s = min(_LAST_RETRY_S, delay_s * 2)
+
+    async def _latest_raw(self, channel: Channel[Any]) -> dict[str, bytes]:
+        try:
+            raw = cast("dict[bytes, bytes]", await self.redis.hgetall(keys.live(channel.name)))  # pyright: ignore[reportGeneralTypeIssues]  # typed for both clients
+        except UNAVAILABLE as error:
+            raise BusUnavailableError(f"cannot read {channel.name}: {error}") from error
+        return _named(channel, raw)
 
     async def close(self) -> None:
         _tell_dropped(self.dropped)
@@ -215,19 +234,35 @@ def _tell_dropped(count: int) -> None:
         _logger.info("%d messages were dropped while Redis was out of reach", count)
 
 
-def _received(channel: Channel[M], instance: bytes, data: bytes) -> Received[M] | None:
+def _named(channel: Channel[Any], raw: Mapping[bytes, bytes]) -> dict[str, bytes]:
+    """By the instances' names; what has a name that is none is left out with a line in the log."""
+    found: dict[str, bytes] = {}
+    for name, data in raw.items():
+        try:
+            found[name.decode()] = data
+        except UnicodeDecodeError as error:
+            _logger.warning("ignored a message on %s of %r: %s", channel.name, name, error)
+    return found
+
+
+def _received(channel: Channel[M], instance: str, data: bytes) -> Received[M] | None:
     """None, and a line in the log, for what does not decode: one bad producer must not end a subscriber."""
     try:
-        return Received(channel, instance.decode(), decode(channel.message, data))
-    except (DecodeError, UnicodeDecodeError) as error:
-        _logger.warning("ignored a message on %s of %s: %s", channel.name, instance.decode(errors="replace"), error)
+        return Received(channel, instance, decode(channel.message, data))
+    except DecodeError as error:
+        _logger.warning("ignored a message on %s of %s: %s", channel.name, instance, error)
         return None
 
 
-def _decoded(channel: Channel[M], raw: dict[bytes, bytes]) -> dict[str, M]:
+def _decoded(channel: Channel[M], raw: Mapping[str, bytes]) -> dict[str, M]:
     received: Iterable[Received[M] | None] = (_received(channel, name, data) for name, data in raw.items())
     return {item.instance: item.message for item in received if item is not None}
 
 
 def _from_entry(channel: Channel[M], fields: dict[bytes, bytes]) -> Received[M] | None:
-    return _received(channel, fields.get(b"i", b""), fields.get(b"m", b""))
+    named = _named(channel, {fields.get(b"i", b""): fields.get(b"m", b"")})
+    return next((_received(channel, name, data) for name, data in named.items()), None)
+
+
+def _only(instance: str | None, messages: dict[str, bytes]) -> dict[str, bytes]:
+    return messages if instance is None else {name: data for name, data in messages.items() if name == instance}

@@ -76,26 +76,24 @@ def pack(datagram: Datagram, key: bytes | None = None) -> bytes:
     kind = _KINDS.get(type(datagram.message))
     if kind is None:
         raise ValueError(f"{type(datagram.message).__name__} does not travel by datagram")
-    sender = datagram.sender.encode()
-    if not 1 <= len(sender) <= 32:
-        raise ValueError(f"a sender id has 1 to 32 bytes, {datagram.sender!r} has {len(sender)}")
-    payload = encode(datagram.message)
+    return pack_payload(kind, datagram.sender, datagram.sequence, datagram.stamp_ns, encode(datagram.message), key)
+
+
+def pack_payload(
+    kind: Kind, sender: str, sequence: int, stamp_ns: int, payload: bytes, key: bytes | None = None
+) -> bytes:
+    """The same from a message that is encoded already."""
+    sender_bytes = sender.encode()
+    if not 1 <= len(sender_bytes) <= 32:
+        raise ValueError(f"a sender id has 1 to 32 bytes, {sender!r} has {len(sender_bytes)}")
     if len(payload) > MAX_PAYLOAD:
         raise ValueError(f"{len(payload)} bytes of {kind.name} exceed the {MAX_PAYLOAD} of a datagram")
-    for name, value in (("sequence", datagram.sequence), ("stamp", datagram.stamp_ns)):
+    for name, value in (("sequence", sequence), ("stamp", stamp_ns)):
         if not 0 <= value < 2**64:
             raise ValueError(f"{name} {value} does not fit a datagram")
-    header = _HEADER.pack(
-        MAGIC,
-        VERSION,
-        kind,
-        _HMAC_FLAG if key else 0,
-        len(sender),
-        datagram.sequence,
-        datagram.stamp_ns,
-        len(payload),
-    )
-    body = header + sender + payload
+    flags = _HMAC_FLAG if key else 0
+    header = _HEADER.pack(MAGIC, VERSION, kind, flags, len(sender_bytes), sequence, stamp_ns, len(payload))
+    body = header + sender_bytes + payload
     return body + hmac.digest(key, body, sha256) if key else body
 
 
