@@ -6,10 +6,12 @@ current (snapshot first, then the stream), so a subscriber need not know that an
 """
 
 import logging
-from collections.abc import AsyncIterator, Iterable
+from collections.abc import AsyncGenerator, Iterable, Mapping
+from contextlib import aclosing
 from dataclasses import dataclass
 from typing import Any, Generic, Self, TypeVar, cast
 
+import msgspec
 import redis
 import redis.asyncio
 from msgspec import Struct
@@ -23,7 +25,7 @@ from protocol.channels import Channel, Delivery
 from protocol.clock import Clock, SystemClock
 from protocol.codec import decode, encode
 from protocol.errors import BusUnavailableError, DecodeError
-from protocol.redis_connection import make_leavable
+from protocol.redis_connection import PatientPool
 
 M = TypeVar("M", bound=BaseModel | Struct)
 _logger = logging.getLogger(__name__)
@@ -36,6 +38,7 @@ _RETRIED = (redis.ConnectionError,)
 timed out may have been done (an event would appear twice)."""
 _STREAM_LENGTH = 10_000
 _FIRST_RETRY_S, _LAST_RETRY_S = 0.05, 1.0
+_BATCHES = msgspec.json.Decoder(dict[str, msgspec.Raw])
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,6 +48,14 @@ class Received(Generic[M]):
     channel: Channel[M]
     instance: str
     message: M
+
+
+@dataclass(frozen=True, slots=True)
+class ReceivedRaw:
+    """Messages of a channel that arrived together, by instance, still encoded."""
+
+    channel: Channel[Any]
+    messages: Mapping[str, bytes]
 
 
 class SyncBus:
@@ -89,7 +100,7 @@ class SyncBus:
             raw = cast("dict[bytes, bytes]", self.redis.hgetall(keys.live(channel.name)))
         except UNAVAILABLE:
             return {}
-        return _decoded(channel, raw)
+        return _decoded(channel, _named(channel, raw))
 
     def close(self) -> None:
         _tell_dropped(self.dropped)
@@ -107,31 +118,37 @@ class Bus:
     @classmethod
     def connect(cls, url: str, clock: Clock | None = None) -> Self:
         """Connects lazily: nothing fails before the first call."""
-        client = redis.asyncio.Redis.from_url(
+        pool = PatientPool.from_url(
             url,
             socket_timeout=_TIMEOUT_S,
             socket_connect_timeout=_TIMEOUT_S,
             retry=AsyncRetry(NoBackoff(), 1, _RETRIED),
         )
-        make_leavable(client)
-        return cls(client, clock)
+        return cls(redis.asyncio.Redis.from_pool(pool), clock)
 
     async def publish(self, channel: Channel[M], instance: str, message: M) -> bool:
         """Whether Redis took the message; see the module on what happens when it did not."""
         return await self.publish_all(channel, {instance: message})
 
-    async def publish_all(self, channel: Channel[M], messages: dict[str, M]) -> bool:
+    async def publish_all(self, channel: Channel[M], messages: Mapping[str, M]) -> bool:
         """One round trip for many instances of a channel."""
+        return await self.publish_raw(channel, {instance: encode(message) for instance, message in messages.items()})
+
+    async def publish_raw(self, channel: Channel[Any], messages: Mapping[str, bytes]) -> bool:
+        """The same for messages that are encoded already. On a LATEST channel several make one publication: what it costs
+        everybody else then does not grow with the fleet."""
+        if not messages:
+            return True
         pipeline = self.redis.pipeline(transaction=False)
-        for instance, message in messages.items():
-            data = encode(message)
-            if channel.delivery is Delivery.EVERY:
+        if channel.delivery is Delivery.EVERY:
+            for instance, data in messages.items():
                 pipeline.xadd(
                     keys.stream(channel.name), {"i": instance, "m": data}, maxlen=_STREAM_LENGTH, approximate=True
                 )
-            else:
-                pipeline.hset(keys.live(channel.name), instance, data)  # pyright: ignore[reportUnusedCoroutine]  # queued
-                pipeline.publish(keys.topic(channel.name, instance), data)
+        else:
+            pipeline.hset(keys.live(channel.name), mapping={**messages})  # pyright: ignore[reportUnusedCoroutine]  # queued
+            topic, data = publication(channel, messages)
+            pipeline.publish(topic, data)
         try:
             await pipeline.execute()
         except UNAVAILABLE as error:
@@ -151,11 +168,15 @@ class Bus:
 
     async def latest_all(self, channel: Channel[M]) -> dict[str, M]:
         """The newest message of every instance. BusUnavailableError while Redis is out of reach."""
+        return _decoded(channel, await self.latest_raw(channel))
+
+    async def latest_raw(self, channel: Channel[Any]) -> dict[str, bytes]:
+        """The same, still encoded."""
         try:
             raw = cast("dict[bytes, bytes]", await self.redis.hgetall(keys.live(channel.name)))  # pyright: ignore[reportGeneralTypeIssues]  # typed for both clients
         except UNAVAILABLE as error:
             raise BusUnavailableError(f"cannot read {channel.name}: {error}") from error
-        return _decoded(channel, raw)
+        return _named(channel, raw)
 
     async def history(self, channel: Channel[M], count: int = 100) -> list[Received[M]]:
         """The newest `count` messages of an EVERY channel, oldest first. BusUnavailableError while Redis is out of reach."""
@@ -166,14 +187,24 @@ class Bus:
         received = (_from_entry(channel, fields) for _, fields in reversed(cast("list[Any]", entries)))
         return [item for item in received if item is not None]
 
-    async def subscribe(self, *channels: Channel[Any], instance: str | None = None) -> AsyncIterator[Received[Any]]:
+    async def subscribe(self, *channels: Channel[Any], instance: str | None = None) -> AsyncGenerator[Received[Any]]:
         """What is current on the LATEST channels, then everything new, for ever; of one instance or of all.
 
         What is current is read only when Redis has confirmed the subscription, so that nothing falls between the two.
         Cancel the task or close the generator to end it.
         """
-        topics = {keys.topic(channel.name, instance or "*"): channel for channel in channels}
+        async with aclosing(self.subscribe_raw(*channels, instance=instance)) as said:
+            async for together in said:
+                for name, data in together.messages.items():
+                    received = _received(together.channel, name, data)
+                    if received is not None:
+                        yield received
+
+    async def subscribe_raw(self, *channels: Channel[Any], instance: str | None = None) -> AsyncGenerator[ReceivedRaw]:
+        """As `subscribe`, without decoding: for who passes messages on, or needs few of many."""
         by_name = {channel.name: channel for channel in channels}
+        topics = [keys.topic(channel.name, instance or "*") for channel in channels]
+        topics += [keys.batch(channel.name) for channel in channels]
         delay_s = _FIRST_RETRY_S
         while True:
             try:
@@ -191,15 +222,14 @@ class Bus:
                             # Also after a reconnection that redis-py made by itself: what was said meanwhile is lost.
                             confirmed.clear()
                             for channel in channels:
-                                for name, message in (await self.latest_all(channel)).items():
-                                    if instance is None or name == instance:
-                                        yield Received(channel, name, message)
+                                current = await self.latest_raw(channel)
+                                yield ReceivedRaw(channel, _only(instance, current))
                             delay_s = _FIRST_RETRY_S
                         elif item["type"] == "pmessage":
-                            _, _, name, source = cast("bytes", item["channel"]).split(b":", 3)
-                            received = _received(by_name[name.decode()], source, cast("bytes", item["data"]))
-                            if received is not None:
-                                yield received
+                            _, _, name, *source = cast("bytes", item["channel"]).split(b":", 3)
+                            channel, data = by_name[name.decode()], cast("bytes", item["data"])
+                            said = _named(channel, {source[0]: data}) if source else _unbatched(channel, data)
+                            yield ReceivedRaw(channel, _only(instance, said))
             except (*UNAVAILABLE, BusUnavailableError) as error:
                 _logger.warning("Redis is out of reach, retrying in %.2f s: %s", delay_s, error)
                 await self._clock.sleep(delay_s)
@@ -215,19 +245,53 @@ def _tell_dropped(count: int) -> None:
         _logger.info("%d messages were dropped while Redis was out of reach", count)
 
 
-def _received(channel: Channel[M], instance: bytes, data: bytes) -> Received[M] | None:
+def publication(channel: Channel[Any], messages: Mapping[str, bytes]) -> tuple[str, bytes]:
+    """The topic, and what to publish on it, for encoded messages of a LATEST channel by instance, at least one."""
+    if len(messages) == 1:
+        ((instance, data),) = messages.items()
+        return keys.topic(channel.name, instance), data
+    entries = b",".join(b"%s:%s" % (msgspec.json.encode(instance), data) for instance, data in messages.items())
+    return keys.batch(channel.name), b"{%s}" % entries
+
+
+def _unbatched(channel: Channel[Any], data: bytes) -> dict[str, bytes]:
+    """The messages of a batch; none, and a line in the log, when it is damaged."""
+    try:
+        return {name: bytes(message) for name, message in _BATCHES.decode(data).items()}
+    except (msgspec.MsgspecError, UnicodeDecodeError) as error:
+        _logger.warning("ignored a batch on %s: %s", channel.name, error)
+        return {}
+
+
+def _named(channel: Channel[Any], raw: Mapping[bytes, bytes]) -> dict[str, bytes]:
+    """By the instances' names; what has a name that is none is left out with a line in the log."""
+    found: dict[str, bytes] = {}
+    for name, data in raw.items():
+        try:
+            found[name.decode()] = data
+        except UnicodeDecodeError as error:
+            _logger.warning("ignored a message on %s of %r: %s", channel.name, name, error)
+    return found
+
+
+def _received(channel: Channel[M], instance: str, data: bytes) -> Received[M] | None:
     """None, and a line in the log, for what does not decode: one bad producer must not end a subscriber."""
     try:
-        return Received(channel, instance.decode(), decode(channel.message, data))
-    except (DecodeError, UnicodeDecodeError) as error:
-        _logger.warning("ignored a message on %s of %s: %s", channel.name, instance.decode(errors="replace"), error)
+        return Received(channel, instance, decode(channel.message, data))
+    except DecodeError as error:
+        _logger.warning("ignored a message on %s of %s: %s", channel.name, instance, error)
         return None
 
 
-def _decoded(channel: Channel[M], raw: dict[bytes, bytes]) -> dict[str, M]:
+def _decoded(channel: Channel[M], raw: Mapping[str, bytes]) -> dict[str, M]:
     received: Iterable[Received[M] | None] = (_received(channel, name, data) for name, data in raw.items())
     return {item.instance: item.message for item in received if item is not None}
 
 
 def _from_entry(channel: Channel[M], fields: dict[bytes, bytes]) -> Received[M] | None:
-    return _received(channel, fields.get(b"i", b""), fields.get(b"m", b""))
+    named = _named(channel, {fields.get(b"i", b""): fields.get(b"m", b"")})
+    return next((_received(channel, name, data) for name, data in named.items()), None)
+
+
+def _only(instance: str | None, messages: dict[str, bytes]) -> dict[str, bytes]:
+    return messages if instance is None else {name: data for name, data in messages.items() if name == instance}

@@ -21,7 +21,7 @@ Starting the sequence at the clock lets a restarted sender go on without a hands
 
 import hmac
 import struct
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import IntEnum, StrEnum
 from hashlib import sha256
 
@@ -58,17 +58,19 @@ MESSAGES: dict[Kind, type[BaseModel | Struct]] = {
     Kind.DRIVE: DriveSetpoint,
     Kind.ODOMETRY: Odometry,
 }
+_MESSAGES_BY_NUMBER = {int(kind): message for kind, message in MESSAGES.items()}
 _KINDS: dict[type[BaseModel | Struct], Kind] = {message: kind for kind, message in MESSAGES.items()}
 
 
 @dataclass(frozen=True, slots=True)
 class Datagram:
-    """A message with its envelope; `stamp_ns` is when it was sent."""
+    """A message with its envelope; `stamp_ns` is when it was sent, `payload` the message's bytes where it was received."""
 
     sender: str
     sequence: int
     stamp_ns: int
     message: BaseModel | Struct
+    payload: bytes = field(default=b"", compare=False, repr=False)
 
 
 def pack(datagram: Datagram, key: bytes | None = None) -> bytes:
@@ -76,26 +78,24 @@ def pack(datagram: Datagram, key: bytes | None = None) -> bytes:
     kind = _KINDS.get(type(datagram.message))
     if kind is None:
         raise ValueError(f"{type(datagram.message).__name__} does not travel by datagram")
-    sender = datagram.sender.encode()
-    if not 1 <= len(sender) <= 32:
-        raise ValueError(f"a sender id has 1 to 32 bytes, {datagram.sender!r} has {len(sender)}")
-    payload = encode(datagram.message)
+    return pack_payload(kind, datagram.sender, datagram.sequence, datagram.stamp_ns, encode(datagram.message), key)
+
+
+def pack_payload(
+    kind: Kind, sender: str, sequence: int, stamp_ns: int, payload: bytes, key: bytes | None = None
+) -> bytes:
+    """The same from a message that is encoded already."""
+    sender_bytes = sender.encode()
+    if not 1 <= len(sender_bytes) <= 32:
+        raise ValueError(f"a sender id has 1 to 32 bytes, {sender!r} has {len(sender_bytes)}")
     if len(payload) > MAX_PAYLOAD:
         raise ValueError(f"{len(payload)} bytes of {kind.name} exceed the {MAX_PAYLOAD} of a datagram")
-    for name, value in (("sequence", datagram.sequence), ("stamp", datagram.stamp_ns)):
+    for name, value in (("sequence", sequence), ("stamp", stamp_ns)):
         if not 0 <= value < 2**64:
             raise ValueError(f"{name} {value} does not fit a datagram")
-    header = _HEADER.pack(
-        MAGIC,
-        VERSION,
-        kind,
-        _HMAC_FLAG if key else 0,
-        len(sender),
-        datagram.sequence,
-        datagram.stamp_ns,
-        len(payload),
-    )
-    body = header + sender + payload
+    flags = _HMAC_FLAG if key else 0
+    header = _HEADER.pack(MAGIC, VERSION, kind, flags, len(sender_bytes), sequence, stamp_ns, len(payload))
+    body = header + sender_bytes + payload
     return body + hmac.digest(key, body, sha256) if key else body
 
 
@@ -122,18 +122,17 @@ def unpack(data: bytes, key: bytes | None = None) -> Datagram:
             raise DecodeError("datagram is not signed, a key is configured")
         if not hmac.compare_digest(hmac.digest(key, data[:body_size], sha256), data[body_size:]):
             raise DecodeError("datagram signature does not match")
-    try:
-        kind = Kind(kind_number)
-    except ValueError as error:
-        raise DecodeError(f"unknown datagram kind {kind_number}") from error
+    message_type = _MESSAGES_BY_NUMBER.get(kind_number)
+    if message_type is None:
+        raise DecodeError(f"unknown datagram kind {kind_number}")
     try:
         sender = data[_HEADER.size : _HEADER.size + sender_size].decode()
     except UnicodeDecodeError as error:
         raise DecodeError("datagram sender is not UTF-8") from error
     if not sender:
         raise DecodeError("datagram without a sender")
-    message = decode(MESSAGES[kind], data[_HEADER.size + sender_size : body_size])
-    return Datagram(sender, sequence, stamp_ns, message)
+    payload = data[_HEADER.size + sender_size : body_size]
+    return Datagram(sender, sequence, stamp_ns, decode(message_type, payload), payload)
 
 
 class Verdict(StrEnum):

@@ -1,7 +1,8 @@
 """Pose estimation on the robot: odometry and the cameras' delayed poses become one pose in the map frame. Pure."""
 
 from agents.estimation.consistency import NisReport, NisWatch, mean_nis_band
-from agents.estimation.ekf import EkfConfig, EkfEstimator, Reference
+from agents.estimation.ekf import EkfEstimator
+from agents.estimation.ekf_config import EkfConfig, Reference
 from agents.estimation.ekf_noise import NoiseConfig
 from agents.estimation.estimator import Estimate, Localization, PoseEstimator
 from agents.estimation.exponential import ExponentialConfig, ExponentialFilter

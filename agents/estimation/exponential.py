@@ -5,13 +5,10 @@ from dataclasses import dataclass
 from agents.drivers.driver import OdometryReading
 from agents.estimation.consistency import NisReport
 from agents.estimation.estimator import Estimate, Localization
-from agents.estimation.history import OdometryHistory
+from agents.estimation.history import OdometryHistory, is_another_session
 from agents.estimation.plausible import is_plausible_odometry, is_plausible_pose
 from geometry import SE2, angle_difference
 from protocol.messages import TrackedPose
-
-_CLOCK_SET_BACK_NS = 1_000_000_000
-"""Odometry that is older than the last by more than this: the machine's clock was set back."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,9 +40,7 @@ class ExponentialFilter:
         if not is_plausible_odometry(reading):
             return
         newest = self._history.newest
-        if newest is not None and (
-            reading.session != newest.session or reading.stamp_ns < newest.stamp_ns - _CLOCK_SET_BACK_NS
-        ):
+        if newest is not None and is_another_session(newest, reading):
             if self._T_map_odom is not None:
                 self._last_pose = self._T_map_odom @ newest.pose
             self._history.clear()

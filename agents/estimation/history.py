@@ -7,6 +7,11 @@ from geometry import SE2
 
 _MOST_READINGS = 1000
 """However fast a base talks, memory stays bounded."""
+_CLOCK_SET_BACK_NS = 1_000_000_000
+"""Odometry that is older than the last by more than this: the machine's clock was set back."""
+_JUMP_M = 0.5
+_JUMP_MPS = 20.0
+"""A base that moves further at once did not drive: its frame is another one."""
 
 
 class OdometryHistory:
@@ -62,6 +67,17 @@ class OdometryHistory:
             return None
         ahead_s = ahead_ns / 1e9
         return reading.pose @ SE2.exp(ahead_s * reading.twist.linear_mps, 0.0, ahead_s * reading.twist.angular_radps)
+
+
+def is_another_session(before: OdometryReading, after: OdometryReading) -> bool:
+    """Whether the base restarted, or the clock was set back."""
+    return after.session != before.session or after.stamp_ns < before.stamp_ns - _CLOCK_SET_BACK_NS
+
+
+def is_jump(before: OdometryReading, after: OdometryReading) -> bool:
+    """Whether the base says that it was somewhere else at once: it restarted without saying so."""
+    dt_s = max(0.0, (after.stamp_ns - before.stamp_ns) / 1e9)
+    return before.pose.distance_to(after.pose) > _JUMP_M + _JUMP_MPS * dt_s
 
 
 def _stamp(reading: OdometryReading) -> int:

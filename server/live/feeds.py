@@ -5,16 +5,17 @@ from collections.abc import Generator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
-from protocol.messages import Command, EmergencyStop
+from protocol.messages import EmergencyStop
 
 
 @dataclass(slots=True, eq=False)
 class Feed:
-    """What one stream has not sent yet; `woken` is set when there is something, or when all is over."""
+    """What one stream has not sent yet, the command as JSON on one line; `woken` is set when there is something, or when all is
+    over."""
 
     robot: str
     emergency_stop: EmergencyStop | None
-    command: Command | None
+    command: bytes | None
     woken: asyncio.Event = field(default_factory=asyncio.Event)
 
 
@@ -23,7 +24,8 @@ class CommandFeeds:
 
     def __init__(self) -> None:
         self._feeds: set[Feed] = set()
-        self._commands: dict[str, Command] = {}
+        self._of_robot: dict[str, set[Feed]] = {}
+        self._commands: dict[str, bytes] = {}
         self.emergency_stop: EmergencyStop | None = None
         self.closed = False
 
@@ -33,10 +35,13 @@ class CommandFeeds:
         feed = Feed(robot, self.emergency_stop, self._commands.get(robot))
         feed.woken.set()
         self._feeds.add(feed)
+        of_robot = self._of_robot.setdefault(robot, set())
+        of_robot.add(feed)
         try:
             yield feed
         finally:
             self._feeds.discard(feed)
+            of_robot.discard(feed)
 
     def __len__(self) -> int:
         return len(self._feeds)
@@ -68,13 +73,14 @@ class CommandFeeds:
         """The latch's greatest epoch so far, 0 before anything is known."""
         return 0 if self.emergency_stop is None else self.emergency_stop.epoch
 
-    def command(self, command: Command) -> None:
-        """The newest command of its robot."""
-        self._commands[command.robot] = command
-        for feed in self._feeds:
-            if feed.robot == command.robot:
-                feed.command = command
-                feed.woken.set()
+    def command(self, robot: str, encoded: bytes) -> None:
+        """The robot's newest command, as JSON."""
+        if b"\n" in encoded or b"\r" in encoded:  # between fields, as in texts JSON escapes them
+            encoded = encoded.replace(b"\n", b" ").replace(b"\r", b" ")
+        self._commands[robot] = encoded
+        for feed in self._of_robot.get(robot, ()):
+            feed.command = encoded
+            feed.woken.set()
 
     def close(self) -> None:
         """Ends every stream."""

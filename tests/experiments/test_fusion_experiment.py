@@ -13,8 +13,9 @@ from agents.estimation import Localization
 from geometry import SE2
 from launcher.cli import main
 from launcher.errors import UsageError
-from launcher.experiments.fusion import CAMERAS, RECORDED, figures, recorded_trials, simulated_trials
+from launcher.experiments.fusion import CAMERAS, RECORDED, recorded_trials, simulated_trials
 from launcher.experiments.fusion_camera import deliveries
+from launcher.experiments.fusion_figures import figures
 from launcher.experiments.fusion_methods import CameraOnly, Reported
 from launcher.experiments.fusion_runs import Run, recordings, simulated
 from launcher.experiments.fusion_trials import Trial, conduct_one
