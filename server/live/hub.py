@@ -7,7 +7,7 @@ apart, so that each client gets what it misses at its own pace. Nothing here wai
 import asyncio
 import logging
 from collections import deque
-from collections.abc import AsyncGenerator, Awaitable, Callable
+from collections.abc import AsyncGenerator, Awaitable, Callable, Mapping
 from contextlib import asynccontextmanager, suppress
 from typing import Any, cast
 
@@ -47,6 +47,7 @@ from protocol.messages import (
     ProcessState,
     Route,
     SimulatedObject,
+    Status,
     Waypoint,
 )
 from server.health import HealthInputs, health_view
@@ -90,9 +91,16 @@ _AWAY = (*UNAVAILABLE, RedisError, BusUnavailableError)
 class LiveHub:
     """Its `parts` must be running for anything to be new."""
 
-    def __init__(self, bus: Bus, lab: Lab, clock: Clock, udp: Callable[[], UdpView]) -> None:
+    def __init__(
+        self,
+        bus: Bus,
+        lab: Lab,
+        clock: Clock,
+        udp: Callable[[], UdpView],
+        losses: Callable[[], Mapping[str, float]] = dict,
+    ) -> None:
         self.feeds = CommandFeeds()
-        self._bus, self._lab, self._clock, self._udp = bus, lab, clock, udp
+        self._bus, self._lab, self._clock, self._udp, self._losses = bus, lab, clock, udp, losses
         self._store = Store(bus.redis)
         self.latch = EmergencyStopLatch(EmergencyStopRepository(self._store, clock), self.feeds, clock)
         self._started_ns = clock.now_ns()
@@ -167,6 +175,10 @@ class LiveHub:
             self.feeds.stop(received.message)
         elif received.channel is COMMANDS:
             self.feeds.command(received.message)
+        elif received.channel is STATUSES:
+            status = cast("Status", received.message)
+            if status.stop_epoch is not None:
+                self.latch.held(status.robot, status.stop_epoch)
         elif received.channel is GUIDANCE:
             before = cast("GuidanceState | None", self._latest[GUIDANCE.name].get(received.instance))
             now = cast("GuidanceState", received.message)
@@ -276,6 +288,7 @@ class LiveHub:
         fleet.poses, fleet.statuses = self._latest[POSES.name], self._latest[STATUSES.name]
         fleet.registrations, fleet.commands = self._latest[REGISTRATIONS.name], self._latest[COMMANDS.name]
         fleet.guidance, fleet.manual = self._latest[GUIDANCE.name], self._latest[MANUAL.name]
+        fleet.losses = self._losses()
         fleet.emergency_stop = self.feeds.emergency_stop or EmergencyStop(engaged=False)
         robots = [robot_view(vehicle, fleet, now_ns) for vehicle in self._lab.vehicles]
         sections.replace("robots", {view.id: Item(view, view.without_ages()) for view in robots})
@@ -315,6 +328,8 @@ class LiveHub:
                 processes=cast("dict[str, ProcessState]", self._latest[PROCESSES.name]),
                 redis=RedisView(reachable=self._away_since_ns is None, since_ns=self._away_since_ns),
                 udp=self._udp(),
+                statuses=cast("dict[str, Status]", self._latest[STATUSES.name]),
+                losses=self._losses(),
             ),
             self._clock.now_ns(),
         )
