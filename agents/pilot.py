@@ -190,9 +190,7 @@ class Pilot:
         """How well the estimator's covariances agree with what cameras say; None where it has none."""
         return self._estimator.consistency()
 
-    def _guarded(
-        self, wanted: Twist, pose: SE2, reading: OdometryReading, now_s: float
-    ) -> tuple[Twist, Reason | None]:
+    def _guarded(self, wanted: Twist, pose: SE2, reading: OdometryReading, now_s: float) -> tuple[Twist, Reason | None]:
         """What the robot's own protection leaves of the twist that the command asks for, and why when it is a stop."""
         twist, fenced = self._fence.limit(wanted, pose)
         twist, blocked = self._protection.limit(twist, reading.twist, now_s)

@@ -46,4 +46,3 @@ class Walls:
             return False
         leaving = distance_m > self.distance_m(body.pose.x, body.pose.y)
         return not (leaving and body.footprint_at(body.pose).intersects(self._lines))
-

@@ -114,7 +114,9 @@ class StopListener(asyncio.DatagramProtocol):
     def _answer(self, addr: tuple[str | int, int]) -> None:
         status = self._status()
         if self._transport is not None:
-            self._transport.sendto(pack(Datagram(status.robot, status.sequence, status.stamp_ns, status), self._key), addr)
+            self._transport.sendto(
+                pack(Datagram(status.robot, status.sequence, status.stamp_ns, status), self._key), addr
+            )
 
     def _ignore(self, addr: tuple[str | int, int], why: str) -> None:
         self.ignored += 1

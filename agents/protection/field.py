@@ -80,7 +80,8 @@ def braking_sweep(twist: Twist, limits: Limits, radius_m: float, hold_s: float) 
 
 
 def in_the_way(points: Floats, outline: Outline, sweep: Sweep, margin_m: float) -> Floats:
-    """The points (M, 2) of the points (N, 2) that come nearer to the outline than `margin_m` on the way, nearest first."""
+    """The points (M, 2) of the points (N, 2) that come nearer to the outline than `margin_m` on the way, in the order of their
+    distance from the rotation centre."""
     if len(sweep.x) < 2 or not len(points):
         return np.empty((0, 2))
     reach = outline.radius_m + margin_m + float(np.max(np.hypot(sweep.x, sweep.y)))
@@ -90,7 +91,7 @@ def in_the_way(points: Floats, outline: Outline, sweep: Sweep, margin_m: float) 
     clearance = outline.clearance_m(near, sweep)
     now, then = clearance[0], np.min(clearance[1:], axis=0)
     hit = np.flatnonzero((then < margin_m) & (then < now - _NEARER_M) & (now > -_SELF_M))
-    return near[hit[np.argsort(now[hit])]]
+    return near[hit[np.argsort(np.hypot(*near[hit].T))]]
 
 
 def _travelled(t: Floats, rate: float, braking: float, hold_s: float) -> Floats:

@@ -75,7 +75,9 @@ class ProtectiveGuard:
             if len(found):
                 x, y = (float(value) for value in found[0])
                 degrees = round(math.degrees(math.atan2(y, x)))
-                side = "straight ahead" if degrees == 0 else f"{abs(degrees)} degrees {'left' if degrees > 0 else 'right'}"
+                side = (
+                    "straight ahead" if degrees == 0 else f"{abs(degrees)} degrees {'left' if degrees > 0 else 'right'}"
+                )
                 self._occupied_s = now_s
                 self._text = f"something {math.hypot(x, y):.2f} m from the robot's centre, {side}"
                 return True

@@ -16,9 +16,7 @@ from protocol.messages import Command, EmergencyStop, Odometry, Scan, Status, Tr
 class SimulatedAgent:
     """Pure but for what it is told: odometry, scans and messages go in, `send` is called with every set-point."""
 
-    def __init__(
-        self, lab: Lab, vehicle: VehicleSpec, send: Callable[[Twist], None], *, sequence: int = 0
-    ) -> None:
+    def __init__(self, lab: Lab, vehicle: VehicleSpec, send: Callable[[Twist], None], *, sequence: int = 0) -> None:
         self.pilot = Pilot(
             lab, vehicle, ESTIMATORS[DEFAULT_ESTIMATOR](), CONTROLLERS[DEFAULT_CONTROLLER](vehicle.limits)
         )

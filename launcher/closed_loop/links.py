@@ -8,7 +8,7 @@ import numpy as np
 
 T = TypeVar("T")
 _AGAIN_S = 0.2
-"""TCP sends a segment that was lost again after so long, then after twice as long, and so on."""
+"""TCP sends a segment that was lost again after about so long: its least timeout, or what comes behind tells it of the gap."""
 
 
 class Link(Generic[T]):
@@ -30,10 +30,8 @@ class Link(Generic[T]):
             return
         due_s = now_s + self._delay_s + self.more_delay_s
         if self._stream:
-            again_s = _AGAIN_S
             while self.loss and self._rng.random() < self.loss:
-                due_s += again_s
-                again_s *= 2.0
+                due_s += _AGAIN_S
             due_s = self._last_s = max(due_s, self._last_s)
         elif self.loss and self._rng.random() < self.loss:
             return

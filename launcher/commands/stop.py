@@ -61,7 +61,11 @@ def run(arguments: argparse.Namespace) -> int:
     written = asyncio.run(_write(stop, _redis_url(state, lab), clock))
     silent = [robot for robot in robots if robot not in broadcast.answers]
     if arguments.json:
-        figures = {"robots_stopped": len(robots) - len(silent), "robots_silent": len(silent), "written": written is None}
+        figures = {
+            "robots_stopped": len(robots) - len(silent),
+            "robots_silent": len(silent),
+            "written": written is None,
+        }
         settings = {"silent": silent, "targets": [address for address, _ in targets]}
         print_result(Result("stop", figures, settings=settings), as_json=True)
     else:

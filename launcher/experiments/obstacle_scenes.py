@@ -134,4 +134,3 @@ def _ahead(point: Point, heading: float, metres: float) -> Point:
 
 def _beside(x: float, y: float, heading: float, metres: float) -> Point:
     return _ahead((x, y), heading + math.pi / 2, metres)
-

@@ -92,9 +92,7 @@ def conduct(lab: Lab, scene: Scene, watcher: Watcher) -> Trial:
     reaction = None
     if seen.entered_s is not None and seen.stood_s is not None:
         reaction = seen.stood_s - seen.entered_s
-    return Trial(
-        scene.seed, scene.kind, watcher, scene.speed_mps, contacts, reaction, seen.gap_m, resumed
-    )
+    return Trial(scene.seed, scene.kind, watcher, scene.speed_mps, contacts, reaction, seen.gap_m, resumed)
 
 
 def false_stops(lab: Lab, vehicle: str, seed: int, seconds: float) -> dict[str, int]:

@@ -32,14 +32,25 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_lab_file_argument(parser)
     parser.add_argument("--scenes", type=int, default=SCENES, help=f"how many scenes (default: {SCENES})")
     parser.add_argument(
-        "--drops", type=int, default=DROPS, help=f"scenes in which a thing drops into the protective field (default: {DROPS})"
+        "--drops",
+        type=int,
+        default=DROPS,
+        help=f"scenes in which a thing drops into the protective field (default: {DROPS})",
     )
     parser.add_argument(
-        "--empty", type=float, default=EMPTY_S, metavar="S", help=f"simulated seconds on an empty floor (default: {EMPTY_S:g})"
+        "--empty",
+        type=float,
+        default=EMPTY_S,
+        metavar="S",
+        help=f"simulated seconds on an empty floor (default: {EMPTY_S:g})",
     )
     parser.add_argument("--seed", type=int, default=1, help="of the first scene; the others follow (default: 1)")
-    parser.add_argument("--workers", type=int, default=min(2, os.cpu_count() or 1), help="processes at work (default: 2)")
-    parser.add_argument("--plot", type=Path, default=Path("obstacles.png"), metavar="FILE", help="PNG (default: obstacles.png)")
+    parser.add_argument(
+        "--workers", type=int, default=min(2, os.cpu_count() or 1), help="processes at work (default: 2)"
+    )
+    parser.add_argument(
+        "--plot", type=Path, default=Path("obstacles.png"), metavar="FILE", help="PNG (default: obstacles.png)"
+    )
 
 
 def run(arguments: argparse.Namespace) -> Result:

@@ -32,7 +32,9 @@ def _draw_reactions(axes: Axes, trials: Sequence[Trial]) -> None:
         reactions = sorted(trial.reaction_s for trial in group if trial.reaction_s is not None)
         if reactions:
             shares = np.arange(1, len(reactions) + 1) / len(reactions)
-            axes.step(reactions, shares, where="post", color=colour, linestyle=style, label=f"{label} ({len(reactions)})")
+            axes.step(
+                reactions, shares, where="post", color=colour, linestyle=style, label=f"{label} ({len(reactions)})"
+            )
     axes.axhline(0.95, color="0.6", linewidth=0.8)
     axes.set(title="from the thing in the field to wheels that stand", xlabel="time (s)", ylabel="share of the stops")
     axes.legend(fontsize="small")

@@ -5,7 +5,18 @@ from typing import Annotated, Self
 
 from pydantic import ConfigDict, Field, model_validator
 
-from protocol.messages.base import NUMERIC, Counted, Finite, Flag, Identifier, Message, NonNegative, PointXY, Positive, StampNs
+from protocol.messages.base import (
+    NUMERIC,
+    Counted,
+    Finite,
+    Flag,
+    Identifier,
+    Message,
+    NonNegative,
+    PointXY,
+    Positive,
+    StampNs,
+)
 
 Order = tuple[Counted, Counted]
 """(epoch, sequence) of a command."""
@@ -131,7 +142,8 @@ class Status(Message):
     pose_age_s: NonNegative | None = None
     command_age_s: NonNegative | None = None
     command_loss: Annotated[float, Field(strict=True, ge=0, le=1)] | None = Field(
-        default=None, description="Share of guidance's commands of the last seconds that did not reach the robot in time."
+        default=None,
+        description="Share of guidance's commands of the last seconds that did not reach the robot in time.",
     )
     stop_epoch: Counted | None = Field(
         default=None, description="Epoch of the emergency stop that the robot holds; None while it holds none."

@@ -39,7 +39,9 @@ class Guidance:
         events: list[Event] = []
         grid = self._grid(snapshot)
         around = Surroundings(grid, robot_shapes(self._vehicles, snapshot, self._parameters))
-        views = {name: self._dated(name, robot.cycle(snapshot, around), snapshot) for name, robot in self._robots.items()}
+        views = {
+            name: self._dated(name, robot.cycle(snapshot, around), snapshot) for name, robot in self._robots.items()
+        }
         for name, view in views.items():
             events.extend(self._told_of(name, view, snapshot))
         waits_for = {

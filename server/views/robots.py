@@ -90,7 +90,9 @@ class StatusView(View):
     command_loss: float | None = Field(
         description="Share of guidance's commands of the last seconds that did not reach the robot in time."
     )
-    loss: float | None = Field(description="Share of the robot's statuses of the last seconds that did not arrive here.")
+    loss: float | None = Field(
+        description="Share of the robot's statuses of the last seconds that did not arrive here."
+    )
 
 
 class CommandView(View):

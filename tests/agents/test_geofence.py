@@ -5,6 +5,8 @@ import math
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from shapely import union_all
+from shapely.geometry import Point, Polygon
 
 from agents.geofence import TOLERANCE_M, Geofence
 from agents.motion import STOP, Twist
@@ -43,7 +45,7 @@ def test_one_that_is_outside_may_only_come_nearer() -> None:
     assert reason is not None and "in no area" in reason.text
 
 
-@settings(deadline=None, max_examples=50)
+@settings(deadline=None, max_examples=20)
 @given(
     x=st.floats(0.3, 3.7),
     y=st.floats(0.3, 2.7),
@@ -53,16 +55,12 @@ def test_one_that_is_outside_may_only_come_nearer() -> None:
 )
 def test_whatever_is_commanded_it_stays_inside(x: float, y: float, yaw: float, linear: float, angular: float) -> None:
     plant, wanted = Plant(SE2(x, y, yaw), LIMITS), Twist(linear, angular)
-    for _ in range(200):
+    floor = union_all([Polygon(area.outline) for area in AREAS])
+    for _ in range(150):
         plant.setpoint = FENCE.limit(wanted, plant.pose)[0]
         for _ in range(5):
             plant.step(0.01)
-        inside = any(
-            area.contains(plant.pose.x + dx, plant.pose.y + dy)
-            for area in AREAS
-            for dx, dy in ((0.0, 0.0), *((TOLERANCE_M * 1.3 * math.cos(a), TOLERANCE_M * 1.3 * math.sin(a)) for a in range(6)))
-        )
-        assert inside
+        assert floor.distance(Point(plant.pose.x, plant.pose.y)) < TOLERANCE_M + 0.03
 
 
 def test_it_is_at_rest_where_it_was_stopped() -> None:

@@ -34,7 +34,9 @@ class Ears:
     def _status(self) -> Status:
         epoch = self.latch.epoch if self.latch.engaged else None
         now_ns = CLOCK.now_ns()
-        return Status(robot=self.robot, sequence=1, stamp_ns=now_ns, linear_mps=0.0, angular_radps=0.0, stop_epoch=epoch)
+        return Status(
+            robot=self.robot, sequence=1, stamp_ns=now_ns, linear_mps=0.0, angular_radps=0.0, stop_epoch=epoch
+        )
 
 
 class Mouth(asyncio.DatagramProtocol):
@@ -51,7 +53,7 @@ class Mouth(asyncio.DatagramProtocol):
             lambda: self, local_addr=("127.0.0.1", 0), allow_broadcast=True
         )
 
-    def datagram_received(self, data: bytes, addr: tuple[str | int, int]) -> None:  # noqa: ARG002
+    def datagram_received(self, data: bytes, addr: tuple[str | int, int]) -> None:
         self.answers.append(data)
 
     def say(self, data: bytes) -> None:
@@ -163,4 +165,4 @@ async def test_a_port_that_others_have_is_tried_again() -> None:
 
 def test_agents_beside_their_server_listen_on_this_machine_alone() -> None:
     assert stop_host("127.0.0.1") == stop_host("localhost") == LOOPBACK_BROADCAST
-    assert stop_host("10.0.0.5") == "0.0.0.0"  # noqa: S104
+    assert stop_host("10.0.0.5") == "0.0.0.0"

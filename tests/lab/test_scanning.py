@@ -54,8 +54,11 @@ def test_every_beam_ends_at_the_nearest_outline(
         bearing = scanner.yaw + spec.angle_min_rad + beam * spec.angle_increment_rad
         far = (scanner.x + 3.0 * math.cos(bearing), scanner.y + 3.0 * math.sin(bearing))
         ray = LineString([(scanner.x, scanner.y), far])
-        hits = [Point(scanner.x, scanner.y).distance(ray.intersection(Polygon(o).exterior)) for o in outlines
-                if ray.intersects(Polygon(o).exterior)]
+        hits = [
+            Point(scanner.x, scanner.y).distance(ray.intersection(Polygon(o).exterior))
+            for o in outlines
+            if ray.intersects(Polygon(o).exterior)
+        ]
         expected = min(hits, default=0.0)
         grazing = any(abs(ray.distance(Point(corner))) < 0.004 for outline in outlines for corner in outline)
         assert grazing or abs(expected - 3.0) < 0.002 or range_m == pytest.approx(expected, abs=0.0011)
@@ -93,7 +96,9 @@ def test_faults_have_their_shares_and_the_same_seed_the_same_faults() -> None:
     turns = np.array([np.frombuffer(head.turn(SE2.identity(), room), ">u2") / 1e3 for _ in range(50)])
     assert np.mean(turns == 0.0) == pytest.approx(0.1 * 0.95, abs=0.02)
     short = turns < exact - 0.1
-    assert np.mean(short & (turns > 0.0)) == pytest.approx(0.05, abs=0.02)
+    # A false echo lies anywhere within range, and hides what is behind it.
+    nearer = float(np.mean((exact - 0.1) / 4.0))
+    assert np.mean(short & (turns > 0.0)) == pytest.approx(0.05 * nearer, rel=0.1)
     errors = (turns - exact)[(turns > 0.0) & ~short]
     assert errors.std() == pytest.approx(0.01, abs=0.001)
     again = SimulatedScannerHead(spec, faults, np.random.default_rng(3))
