@@ -129,8 +129,11 @@ class World:
 
     def scan(self, vehicle: str) -> Scan:
         """One turn of the vehicle's scanner, now. KeyError for a vehicle that has none."""
-        scanner, base = self._scanners[vehicle], self._vehicle(vehicle)
-        reach = scanner.reach_m()
+        return self.scan_with(self._scanners[vehicle], vehicle)
+
+    def scan_with(self, scanner: SimulatedScannerHead, vehicle: str) -> Scan:
+        """One turn of another scanner in the place of the vehicle's own, now."""
+        base, reach = self._vehicle(vehicle), scanner.reach_m()
         outlines = [
             outline_segments(other.pose.apply(other.outline))
             for _, other in self._others(vehicle)

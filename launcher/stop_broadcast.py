@@ -7,7 +7,6 @@ import secrets
 import socket
 import struct
 from collections.abc import Collection, Sequence
-from typing import cast
 
 from protocol.clock import Clock
 from protocol.datagram import Datagram, Sequencer, pack, unpack
@@ -22,7 +21,7 @@ _GET_BROADCAST = 0x8919
 
 
 class StopBroadcast(asyncio.DatagramProtocol):
-    """`answers` are the newest statuses of robots that hold the stop, by robot; `failures` why an address could not be sent to."""
+    """`answers` are the newest statuses of robots that hold the stop; `failures` say why nothing could be sent to an address."""
 
     def __init__(self, key: bytes | None, clock: Clock, expected: Collection[str]) -> None:
         self.answers: dict[str, Status] = {}
@@ -67,7 +66,7 @@ class StopBroadcast(asyncio.DatagramProtocol):
         transport, _ = await asyncio.get_running_loop().create_datagram_endpoint(
             lambda: self, local_addr=(host, 0), family=socket.AF_INET, allow_broadcast=True
         )
-        return cast("asyncio.DatagramTransport", transport)
+        return transport
 
     async def _repeat(
         self, transport: asyncio.DatagramTransport, data: bytes, targets: Sequence[tuple[str, int]]

@@ -9,7 +9,6 @@ import asyncio
 import logging
 import socket
 from collections.abc import Callable
-from typing import cast
 
 from agents.link.backoff import Trouble
 from protocol.clock import Clock
@@ -83,7 +82,7 @@ class StopListener(asyncio.DatagramProtocol):
         except OSError:
             bound.close()
             raise
-        self._transport = cast("asyncio.DatagramTransport", transport)
+        self._transport = transport
 
     def close(self) -> None:
         if self._transport is not None:

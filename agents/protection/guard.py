@@ -2,7 +2,7 @@
 wishes for": the robot's own scanner as a second safety layer).
 
 Two fields, both of `agents.protection.field`: the protective one, which the robot sweeps until it stands if it brakes now, and
-the warning one, which it sweeps if it drives on for `warning_s` before. Anything in the warning field slows the robot down,
+the warning one, wider, which it sweeps if it drives on for `warning_s` before. Anything in the warning field slows the robot,
 which shortens the protective field; anything in the protective field stops it, and keeps it until the field of the speed that
 is commanded has been clear for `clear_s`.
 """
@@ -56,7 +56,7 @@ class ProtectiveGuard:
                 return STOP, self._reason()
             self._occupied_s = None
         allowed = wanted
-        if len(self._ahead(wanted, age_s + self._spec.warning_s, 0.0)):
+        if len(self._ahead(wanted, age_s + self._spec.warning_s, self._spec.warning_margin_m)):
             allowed = self._slowed(wanted)
         if self._look((allowed, measured), age_s, 0.0, now_s):
             self._going = STOP
@@ -71,7 +71,7 @@ class ProtectiveGuard:
     def _look(self, twists: tuple[Twist, ...], age_s: float, extra_m: float, now_s: float) -> bool:
         """Whether anything is in the protective field of one of these motions."""
         for twist in twists:
-            found = self._ahead(twist, age_s, extra_m)
+            found = self._ahead(twist, age_s, self._spec.margin_m + extra_m)
             if len(found):
                 x, y = (float(value) for value in found[0])
                 degrees = round(math.degrees(math.atan2(y, x)))
@@ -83,11 +83,12 @@ class ProtectiveGuard:
                 return True
         return False
 
-    def _ahead(self, twist: Twist, more_s: float, extra_m: float) -> Floats:
+    def _ahead(self, twist: Twist, more_s: float, margin_m: float) -> Floats:
+        """Things in the field of a motion that is held for so much longer than the reaction takes."""
         if not len(self._things) or twist == STOP:
             return _NOTHING
         sweep = braking_sweep(twist, self._limits, self._outline.radius_m, self._spec.reaction_s + more_s)
-        return in_the_way(self._things, self._outline, sweep, self._spec.margin_m + extra_m)
+        return in_the_way(self._things, self._outline, sweep, margin_m)
 
     def _slowed(self, twist: Twist) -> Twist:
         """The same curve, so slow that no point of the outline is faster than the warning field allows."""

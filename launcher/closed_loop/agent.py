@@ -16,10 +16,16 @@ from protocol.messages import Command, EmergencyStop, Odometry, Scan, Status, Tr
 class SimulatedAgent:
     """Pure but for what it is told: odometry, scans and messages go in, `send` is called with every set-point."""
 
-    def __init__(self, lab: Lab, vehicle: VehicleSpec, send: Callable[[Twist], None], *, sequence: int = 0) -> None:
-        self.pilot = Pilot(
-            lab, vehicle, ESTIMATORS[DEFAULT_ESTIMATOR](), CONTROLLERS[DEFAULT_CONTROLLER](vehicle.limits)
-        )
+    def __init__(
+        self,
+        lab: Lab,
+        vehicle: VehicleSpec,
+        send: Callable[[Twist], None],
+        *,
+        sequence: int = 0,
+        estimator: str = DEFAULT_ESTIMATOR,
+    ) -> None:
+        self.pilot = Pilot(lab, vehicle, ESTIMATORS[estimator](), CONTROLLERS[DEFAULT_CONTROLLER](vehicle.limits))
         self.decision: Decision | None = None
         self._vehicle = vehicle
         self._send = send

@@ -5,11 +5,13 @@ The latencies stand for the deployed system: a frame that is captured now become
 has then; a command is `command_s` on its way, and the robot acts on it in the next round of its control loop.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+from msgspec.structs import replace
 from shapely.geometry.base import BaseGeometry
 
+from agents.estimation import DEFAULT_ESTIMATOR
 from agents.motion import Twist
 from lab.world import World
 from launcher.closed_loop.agent import SimulatedAgent
@@ -82,6 +84,8 @@ class ClosedLoop:
         latencies: Latencies | None = None,
         parameters: GuidanceParameters | None = None,
         scanners: bool = True,
+        range_sensors: bool = True,
+        estimator: str = DEFAULT_ESTIMATOR,
     ) -> None:
         self.lab, self.seed = lab, seed
         self.times = latencies or Latencies()
@@ -91,7 +95,7 @@ class ClosedLoop:
         self.obstacles_seen = True
         self.outcome: Outcome | None = None
         self.now_s = 0.0
-        self._parameters = parameters
+        self._parameters, self._estimator, self._range_sensors = parameters, estimator, range_sensors
         self._guidance: Guidance | None = None
         self.rasters = Link[FloorRaster]([seed, 1], self.times.raster_s)
         self._raster: FloorRaster | None = None
@@ -122,7 +126,9 @@ class ClosedLoop:
         def send(twist: Twist) -> None:
             robot.drives.send(twist, self.now_s)
 
-        robot.agent = SimulatedAgent(self.lab, self.lab.vehicle(name), send, sequence=sequence)
+        robot.agent = SimulatedAgent(
+            self.lab, self.lab.vehicle(name), send, sequence=sequence, estimator=self._estimator
+        )
         robot.stream_open = False
 
     def kill_agent(self, name: str) -> None:
@@ -175,7 +181,7 @@ class ClosedLoop:
         if self._merges.due(self.now_s) and self._raster is not None and self.store.up:
             self.store.obstacles = self._raster
 
-    def _outlines(self) -> list[BaseGeometry]:
+    def _outlines(self) -> Sequence[BaseGeometry]:
         return self.world.object_outlines() if self.obstacles_seen else []
 
     def _guide(self) -> None:
@@ -213,6 +219,7 @@ class ClosedLoop:
         if robot.scanner is not None and robot.scanner.due(now_s):
             agent.scan(self.world.scan(name), now_s)
         if robot.control.due(now_s):
-            agent.control(self.world.odometry(name), now_ns, now_s)
+            said = self.world.odometry(name)
+            agent.control(said if self._range_sensors else replace(said, range_front_m=None), now_ns, now_s)
         if robot.report.due(now_s):
             robot.statuses.send(agent.status(now_ns, now_s), now_s)

@@ -25,8 +25,9 @@ THING = "thing"
 SLOWEST_MPS, FASTEST_MPS = 0.15, 0.45
 _FREE_M = 0.6
 """What waypoints keep from the border of the areas."""
-_NEAREST_M, _FARTHEST_M = 0.35, 1.3
-"""Ahead of the robot's front, where a pallet is left or a person comes to stand if the robot did not stop."""
+_CLOSE_M, _AWAY_M = (-0.1, 0.15), (0.35, 1.3)
+"""Ahead of the robot's front, where a pallet is left (never close), or a person would come to stand if the robot did not slow
+down (every second one close, right before it)."""
 _SHARPEST_RAD = 1.0
 _TRIES = 1000
 
@@ -78,7 +79,8 @@ def draw_scene(lab: Lab, seed: int, *, drop: bool = False) -> Scene:
     kind: Kind = "drop" if drop else ("person", "pallet")[int(rng.integers(2))]
     speed = float(rng.uniform(SLOWEST_MPS, min(FASTEST_MPS, vehicle.limits.speed_mps)))
     start, points = _route(lab, rng)
-    ahead = float(rng.uniform(_NEAREST_M, _FARTHEST_M))
+    close = kind == "person" and bool(rng.integers(2))
+    ahead = float(rng.uniform(*(_CLOSE_M if close else _AWAY_M)))
     if drop:
         limits, field = vehicle.limits, vehicle.protective_field
         stopping = speed**2 / (2.0 * limits.braking_mps2)

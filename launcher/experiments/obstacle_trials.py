@@ -1,4 +1,4 @@
-"""One scene after the other in the closed loop: when the thing came into a field, when the wheels stood, and whether it was hit."""
+"""One scene after the other in the closed loop: when the thing came into a field, when the wheels stood, whether it was hit."""
 
 import math
 from dataclasses import dataclass
@@ -9,13 +9,13 @@ import shapely
 from numpy.typing import NDArray
 from shapely.geometry import Polygon
 
-from agents.motion import Twist
+from agents.motion import STOP, Twist
 from agents.protection import Outline, braking_sweep, in_the_way
 from geometry import SE2
 from launcher.closed_loop import ClosedLoop
 from launcher.experiments.obstacle_scenes import THING, Scene
 from protocol.lab import Lab
-from protocol.messages import Movement, ReasonCode, TruePose
+from protocol.messages import Movement, ReasonCode, SimulatedObject, TruePose
 
 _MOST_S = 6.0
 """After the thing came: the slowest robot has reached it by then."""
@@ -24,13 +24,16 @@ _STOOD_S = 1.0
 _RESUME_S = 3.0
 _STILL_MPS, _STILL_RADPS = 0.005, 0.01
 _MOVES_MPS = 0.05
+_HALTS_M = 0.06
+"""A person who has come this near to the robot goes no farther."""
 _WARM_S = 2.0
 _ROUND_MPS = 0.45
 """On the empty floor, or as fast as the vehicle can."""
 
 
 class Watcher(StrEnum):
-    """Who may stop the robot: as deployed, the cameras alone (it has no scanner), or the scanner alone (no camera sees the thing)."""
+    """Who may stop the robot: everything, as deployed; the cameras alone (it has neither scanner nor range sensor); or the
+    scanner alone (no camera sees the thing, and there is no range sensor)."""
 
     BOTH = "both"
     CAMERA = "camera"
@@ -39,7 +42,7 @@ class Watcher(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Trial:
-    """What became of a scene. `reaction_s` is from the instant at which the thing truly was in the field of those who watch (the
+    """What became of a scene. `reaction_s` is from the instant at which the thing was in the field of those who watch (the
     obstacle box of guidance, the protective field of the agent; the first of them for both) until the wheels stood; None when
     the robot never had to stop. `gap_m` is the least distance from the thing, `resumed` whether the robot drove on when it
     was taken away (None: not tried)."""
@@ -60,13 +63,15 @@ class _Seen:
 
     entered_s: float | None = None
     stood_s: float | None = None
+    still_since_s: float | None = None
     gap_m: float = math.inf
 
 
 def conduct(lab: Lab, scene: Scene, watcher: Watcher) -> Trial:
     """The scene with one robot on the floor."""
     lab = lab.model_copy(update={"vehicles": (scene.vehicle,)})
-    loop = ClosedLoop(lab, scene.seed, scanners=watcher is not Watcher.CAMERA)
+    scanners, range_sensors = watcher is not Watcher.CAMERA, watcher is Watcher.BOTH
+    loop = ClosedLoop(lab, scene.seed, scanners=scanners, range_sensors=range_sensors)
     loop.obstacles_seen = watcher is not Watcher.SCANNER
     name = scene.vehicle.id
     loop.world.place(name, scene.start)
@@ -81,14 +86,14 @@ def conduct(lab: Lab, scene: Scene, watcher: Watcher) -> Trial:
     came_s = loop.now_s
     while loop.now_s - came_s < _MOST_S:
         loop.step()
-        if then is not None and loop.now_s - came_s >= walk_s:
-            loop.world.put(then)
+        if then is not None and (loop.now_s - came_s >= walk_s or seen.gap_m < _HALTS_M):
+            loop.world.put(_halted(loop, then) if loop.now_s - came_s < walk_s else then)
             then = None
         _note(seen, loop, name, fields)
-        if seen.stood_s is not None and then is None and loop.now_s - seen.stood_s >= _STOOD_S:
+        if then is None and seen.still_since_s is not None and loop.now_s - seen.still_since_s >= _STOOD_S:
             break
     contacts = loop.world.truth().contacts
-    resumed = _resumes(loop, name) if watcher is Watcher.BOTH and seen.stood_s is not None else None
+    resumed = _resumes(loop, name) if watcher is Watcher.BOTH and seen.still_since_s is not None else None
     reaction = None
     if seen.entered_s is not None and seen.stood_s is not None:
         reaction = seen.stood_s - seen.entered_s
@@ -135,6 +140,12 @@ def _stopped(loop: ClosedLoop, name: str) -> ReasonCode | None:
     return None
 
 
+def _halted(loop: ClosedLoop, person: SimulatedObject) -> SimulatedObject:
+    """The person standing where they are now."""
+    here = next(item for item in loop.world.snapshot().objects if item.id == person.id)
+    return person.model_copy(update={"x": here.x, "y": here.y})
+
+
 def _resumes(loop: ClosedLoop, name: str) -> bool:
     """Takes the thing away; whether the robot then drives."""
     loop.world.remove(THING)
@@ -151,6 +162,10 @@ def _note(seen: _Seen, loop: ClosedLoop, name: str, fields: "_Fields") -> None:
     if not outlines:
         return
     still = abs(truth.linear_mps) < _STILL_MPS and abs(truth.angular_radps) < _STILL_RADPS
+    if not still:
+        seen.still_since_s = None
+    elif seen.still_since_s is None:
+        seen.still_since_s = loop.now_s
     seen.gap_m = min(seen.gap_m, fields.gap_m(truth, outlines[0]))
     if seen.entered_s is None:
         if not still and fields.has(truth, outlines[0]):
@@ -166,6 +181,7 @@ class _Fields:
     def __init__(self, loop: ClosedLoop, scene: Scene, watcher: Watcher) -> None:
         self._loop, self._vehicle, self._watcher = loop, scene.vehicle, watcher
         self._outline = Outline(scene.vehicle.footprint)
+        self._going = STOP
 
     def has(self, truth: TruePose, thing: Polygon) -> bool:
         watched = self._watcher
@@ -183,15 +199,16 @@ class _Fields:
         return len(box) >= 3 and bool(Polygon(box).intersects(thing))
 
     def _in_protective_field(self, truth: TruePose, thing: Polygon) -> bool:
-        field_spec = self._vehicle.protective_field
-        sweep = braking_sweep(
-            Twist(truth.linear_mps, truth.angular_radps),
-            self._vehicle.limits,
-            self._outline.radius_m,
-            field_spec.reaction_s,
-        )
-        border = _pose(truth).inverse().apply(_dense(thing))
-        return len(in_the_way(border, self._outline, sweep, field_spec.margin_m)) > 0
+        """Of what the robot does and of what it was last to do: a robot that brakes has not lost its field by that."""
+        agent = self._loop.robots[self._vehicle.id].agent
+        if agent is not None and agent.decision is not None and agent.decision.twist != STOP:
+            self._going = agent.decision.twist
+        spec, border = self._vehicle.protective_field, _pose(truth).inverse().apply(_dense(thing))
+        for twist in (self._going, Twist(truth.linear_mps, truth.angular_radps)):
+            sweep = braking_sweep(twist, self._vehicle.limits, self._outline.radius_m, spec.reaction_s)
+            if len(in_the_way(border, self._outline, sweep, spec.margin_m)):
+                return True
+        return False
 
 
 def _dense(thing: Polygon) -> NDArray[np.float64]:

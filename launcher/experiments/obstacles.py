@@ -95,7 +95,9 @@ def figures(trials: Sequence[Trial]) -> dict[str, float | int]:
         own = [trial for trial in scenes if trial.watcher is watcher]
         behind = "" if watcher is Watcher.BOTH else f"_{watcher}"
         found[f"collisions{behind}"] = sum(trial.contacts for trial in own)
-        found |= _reactions(f"reaction{behind}", own)
+        # A scanner's field comes to a pallet, a person comes into the field: only that is a moment to react to.
+        came = [trial for trial in own if trial.kind == "person"] if watcher is Watcher.SCANNER else own
+        found |= _reactions(f"reaction{behind}", came)
         found[f"gap{behind}_min_m"] = min(trial.gap_m for trial in own)
     tried = [trial.resumed for trial in scenes if trial.resumed is not None]
     if tried:

@@ -27,6 +27,8 @@ def plot_obstacles(trials: Sequence[Trial], path: Path) -> None:
 def _draw_reactions(axes: Axes, trials: Sequence[Trial]) -> None:
     """The share of stops that took no longer than so long."""
     groups = [(str(w), _COLOURS[w], "-", [t for t in trials if t.watcher is w and t.kind != "drop"]) for w in Watcher]
+    people = [t for t in trials if t.watcher is Watcher.SCANNER and t.kind == "person"]
+    groups[list(Watcher).index(Watcher.SCANNER)] = ("scanner, people", _COLOURS[Watcher.SCANNER], "-", people)
     groups.append(("scanner, drops", "tab:blue", ":", [t for t in trials if t.kind == "drop"]))
     for label, colour, style, group in groups:
         reactions = sorted(trial.reaction_s for trial in group if trial.reaction_s is not None)

@@ -48,7 +48,8 @@ class ProtectiveFieldSpec(LabModel):
     - `margin_m`: what must remain free around everything that the outline sweeps until it stands.
     - `reaction_s`: from an echo to the beginning of braking: a turn of the scanner, transport, the motors' delay.
     - `clear_s`: how long the protective field must have been clear before the robot moves again.
-    - `warning_s`: the warning field reaches as much farther as the robot drives in this time.
+    - `warning_s`, `warning_margin_m`: the warning field reaches as much farther as the robot drives in this time, and keeps so
+      much free around it.
     - `slow_mps`: the speed of the outline's fastest point while anything is in the warning field.
     - `neighbours`: so many neighbouring beams with echoes side by side are a thing at once; fewer are one when the next turn
       of the scanner shows them again.
@@ -58,6 +59,7 @@ class ProtectiveFieldSpec(LabModel):
     reaction_s: NonNegative = 0.15
     clear_s: NonNegative = 1.0
     warning_s: NonNegative = 1.0
+    warning_margin_m: NonNegative = 0.2
     slow_mps: Positive = 0.12
     neighbours: Annotated[int, Field(ge=1, le=20)] = 3
 

@@ -31,7 +31,10 @@ class Robot:
     def __init__(self, robot: str) -> None:
         self.id, self.latch = robot, EmergencyStopLatch()
         self.latch.update(EmergencyStop(engaged=False))
-        self.listener = StopListener(bytes.fromhex(KEY), CLOCK, self.latch.update, self._status)
+        self.listener = StopListener(bytes.fromhex(KEY), CLOCK, self._on_stop, self._status)
+
+    def _on_stop(self, stop: EmergencyStop) -> None:
+        self.latch.update(stop)
 
     def _status(self) -> Status:
         epoch = self.latch.epoch if self.latch.engaged else None
@@ -41,14 +44,19 @@ class Robot:
 
 
 @pytest.fixture
-def lab(tmp_path: Path) -> Path:
+def port() -> int:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+@pytest.fixture
+def lab(tmp_path: Path, port: int) -> Path:
     """The shipped lab with two robots and a free port."""
     description: dict[str, Any] = yaml.safe_load(GULLIVER.read_text())
     description["vehicles"] = description["vehicles"][:2]
     description["simulation"].update(starts={}, tours={})
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        probe.bind(("127.0.0.1", 0))
-        description["ports"]["stop_udp"] = probe.getsockname()[1]
+    description["ports"]["stop_udp"] = port
     file = tmp_path / "lab.yaml"
     file.write_text(yaml.safe_dump(description))
     (tmp_path / "state").mkdir()
@@ -57,9 +65,8 @@ def lab(tmp_path: Path) -> Path:
 
 
 @pytest.fixture
-async def robots(lab: Path) -> AsyncIterator[list[Robot]]:
+async def robots(port: int) -> AsyncIterator[list[Robot]]:
     found = [Robot("wifibot-14"), Robot("wifibot-15")]
-    port = int(yaml.safe_load(lab.read_text())["ports"]["stop_udp"])
     for robot in found:
         await robot.listener.open(LOOPBACK_BROADCAST, port)
     yield found
