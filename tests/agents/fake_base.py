@@ -1,4 +1,4 @@
-"""A simulated base that speaks DRIVE, ODOMETRY and SCAN datagrams on the loopback (docs/architecture.md, "The simulated base")."""
+"""A simulated base that speaks DRIVE, ODOMETRY and SCAN on the loopback (docs/architecture.md, "The simulated base")."""
 
 import asyncio
 import secrets

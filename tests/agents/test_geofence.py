@@ -45,7 +45,7 @@ def test_one_that_is_outside_may_only_come_nearer() -> None:
     assert reason is not None and "in no area" in reason.text
 
 
-@settings(deadline=None, max_examples=20)
+@settings(deadline=None, max_examples=12)
 @given(
     x=st.floats(0.3, 3.7),
     y=st.floats(0.3, 2.7),

@@ -43,7 +43,7 @@ def outline_at(footprint: tuple[tuple[float, float], ...], pose: SE2) -> Polygon
 
 
 class TestField:
-    @settings(deadline=None, max_examples=25)
+    @settings(deadline=None, max_examples=15)
     @given(
         twist=twists,
         kind=st.sampled_from(sorted(FOOTPRINTS)),
@@ -70,6 +70,7 @@ class TestField:
             if plant.twist == STOP and step * 0.005 > hold_s:
                 break
 
+    @settings(max_examples=40)
     @given(st.floats(0.2, 0.75), st.floats(0.0, 0.3))
     def test_the_field_ahead_is_as_long_as_the_way_to_stand(self, speed: float, hold_s: float) -> None:
         outline = Outline(WIFIBOT.footprint)
@@ -206,7 +207,7 @@ class TestGuard:
         assert guard.limit(back, STOP, 0.5)[0] == STOP
         assert guard.limit(back, STOP, FIELD.clear_s + 0.1) == (back, None)
 
-    @settings(deadline=None, max_examples=20)
+    @settings(deadline=None, max_examples=12)
     @given(
         speed=st.floats(0.05, 0.8),
         turn=st.floats(-1.0, 1.0),
