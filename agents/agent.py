@@ -3,7 +3,7 @@ robot"). It is also the example of how a robot takes part:
 
 1. open a UDP socket; register it over HTTP, again every 5 s and after each reconnection;
 2. follow the stream of commands; keep still until its first event says that the emergency stop is released;
-3. take poses from the UDP socket, odometry from the driver;
+3. take poses from the UDP socket, odometry and scans from the driver; stop at once for what is in the protective field;
 4. twenty times a second, decide on a twist and send it to the base, zero included;
 5. ten times a second, send a status by UDP; when something else is obeyed or a target is reached, post a response.
 """
@@ -24,19 +24,22 @@ from agents.link import (
     Registrar,
     ResponseQueue,
     RobotSocket,
+    StopListener,
     Welcome,
     bind_host,
     make_client,
     server_host,
+    stop_host,
 )
 from agents.link.backoff import Backoff, Trouble
 from agents.motion import STOP
 from agents.pacing import Pacer
 from agents.pilot import Pilot
+from agents.protection import RangeScan
 from agents.safety import ODOMETRY_LIMIT_S, Verdict
 from protocol.clock import Clock
 from protocol.lab import Lab, VehicleSpec
-from protocol.messages import Command, EmergencyStop, TrackedPose
+from protocol.messages import Command, EmergencyStop, Status, TrackedPose
 
 CONTROL_RATE_HZ = 20.0
 STATUS_RATE_HZ = 10.0
@@ -69,6 +72,7 @@ class Agent:
         self.socket = RobotSocket(vehicle.id, config.udp_key, clock, self._on_pose)
         self._config = config
         self._driver = driver
+        driver.watch_scans(self._on_scan)
         self._clock = clock
         self._server_host = server_host(config.server_url)
         self._base_trouble = Trouble(_logger, "base")
@@ -94,6 +98,7 @@ class Agent:
                 on_emergency_stop=self._on_emergency_stop,
             )
             responses = ResponseQueue(client, robot, self._clock)
+            stops = StopListener(config.udp_key, self._clock, self._on_emergency_stop, self._status)
             stack.push_async_callback(self._driver.close)
             _logger.info("%s listens on UDP port %d, server %s", robot, port, config.server_url)
             with suppress(DriverError):  # said and tried again below
@@ -105,6 +110,7 @@ class Agent:
                 tasks.create_task(stream.run())
                 tasks.create_task(responses.run())
                 tasks.create_task(self._report())
+                tasks.create_task(stops.run(stop_host(self._server_host), config.lab.ports.stop_udp))
 
     async def _keep_connected(self) -> None:
         """Connects the driver, and again whenever it lost the base."""
@@ -119,7 +125,7 @@ class Agent:
                 await self._clock.sleep(backoff.next_s())
 
     async def _control(self, responses: ResponseQueue) -> None:
-        """The control loop: the only place, but for the emergency stop and the end, that sends set-points."""
+        """The control loop: the only place, but for stops at once and the end, that sends set-points."""
         pacer = Pacer(self._clock, CONTROL_RATE_HZ)
         while True:
             self._read_base()
@@ -144,6 +150,7 @@ class Agent:
             self.pilot.odometry_failed(str(error))
             return
         self._base_heard = True
+        self.pilot.battery(self._driver.battery())
         faults = self._driver.faults()
         if faults:
             self._base_trouble.note(faults[0])
@@ -155,18 +162,20 @@ class Agent:
         pacer = Pacer(self._clock, STATUS_RATE_HZ)
         consistency = ConsistencyLog(self.pilot, self._clock.monotonic_s())
         while True:
-            trouble = self._base_trouble.text
-            status = self.pilot.status(
-                self.socket.next_sequence(),
-                self._clock.now_ns(),
-                self._clock.monotonic_s(),
-                ip=self.socket.address,
-                battery=self._driver.battery(),
-                faults=() if trouble is None else (trouble,),
-            )
-            self.socket.send_status(status)
+            self.socket.send_status(self._status())
             consistency.look(self._clock.monotonic_s())
             await pacer.wait()
+
+    def _status(self) -> Status:
+        trouble = self._base_trouble.text
+        return self.pilot.status(
+            self.socket.next_sequence(),
+            self._clock.now_ns(),
+            self._clock.monotonic_s(),
+            ip=self.socket.address,
+            battery=self._driver.battery(),
+            faults=() if trouble is None else (trouble,),
+        )
 
     def _on_pose(self, pose: TrackedPose) -> None:
         self.pilot.camera_pose(pose, self._clock.now_ns(), self._clock.monotonic_s())
@@ -190,10 +199,18 @@ class Agent:
         """Stops at once; the control loop then keeps on commanding zero."""
         if self.pilot.emergency_stop(event):
             _logger.warning("emergency stop: %s", event.reason or event.by or "engaged")
-            try:
-                self._driver.send_twist(STOP)
-            except DriverError as error:
-                self._base_trouble.note(str(error))
+            self._stop_now()
+
+    def _on_scan(self, scan: RangeScan) -> None:
+        """Stops at once for what is in the protective field; the control loop says why and keeps on commanding zero."""
+        if self.pilot.scan(scan, self._clock.monotonic_s()):
+            self._stop_now()
+
+    def _stop_now(self) -> None:
+        try:
+            self._driver.send_twist(STOP)
+        except DriverError as error:
+            self._base_trouble.note(str(error))
 
     async def _on_welcome(self, welcome: Welcome) -> None:
         await self.socket.send_to(self._server_host, welcome.robots_udp)

@@ -13,8 +13,20 @@ from agents.answering import Answers
 from agents.control import Executor, PathController, turning_constants
 from agents.drivers import OdometryReading
 from agents.estimation import Localization, NisReport, PoseEstimator
+from agents.geofence import Geofence
 from agents.motion import STOP, Twist
-from agents.safety import CommandGate, EmergencyStopLatch, FrontGuard, Situation, Verdict, why_still
+from agents.protection import ProtectiveGuard, RangeScan
+from agents.safety import (
+    BatteryWatch,
+    CommandGate,
+    EmergencyStopLatch,
+    FrontGuard,
+    Since,
+    Situation,
+    Verdict,
+    why_still,
+)
+from geometry import SE2
 from protocol.lab import Lab, VehicleSpec
 from protocol.messages import (
     Command,
@@ -54,7 +66,11 @@ class Pilot:
         self._vehicle = vehicle
         self._estimator = estimator
         self._executor = Executor(controller, vehicle.limits, turning_constants(vehicle))
+        self._fence = Geofence(lab.areas, vehicle.limits)
+        self._protection = ProtectiveGuard(vehicle)
         self._front = FrontGuard()
+        self._battery = BatteryWatch(vehicle.battery.empty)
+        self._since = Since()
         self._answers = Answers(vehicle)
         self._reading: OdometryReading | None = None
         self._fault: str | None = "no odometry yet"
@@ -99,6 +115,14 @@ class Pilot:
         self._fault = faults[0] if faults else None
         self._estimator.add_odometry(reading)
 
+    def scan(self, scan: RangeScan, now_s: float) -> bool:
+        """One turn of the safety scanner; whether the robot must stop now, without waiting for the next round."""
+        return self._protection.scan(scan, STOP if self._reading is None else self._reading.twist, now_s)
+
+    def battery(self, share: float | None) -> None:
+        """The share of a full charge, 0 to 1; None while unknown. One that is empty is not driven by guidance any more."""
+        self._battery.update(share)
+
     def odometry_failed(self, why: str) -> None:
         """The base says nothing, so nobody knows what its wheels do: the robot stands still."""
         self._fault = why
@@ -114,6 +138,7 @@ class Pilot:
                 command=command,
                 command_age_s=self.gate.age_s(now_s),
                 pose_age_s=self._pose_age_s(now_ns, now_s),
+                battery_empty=self._battery.empty,
             )
         )
         twist = STOP
@@ -121,11 +146,12 @@ class Pilot:
         self._obeyed = None
         if stop is None and command is not None and estimate.pose is not None and self._reading is not None:
             execution = self._executor.execute(command, estimate.pose, self._reading.twist, now_s)
-            twist, stop = self._front.limit(execution.twist, self._reading.front_range_m)
+            twist, stop = self._guarded(execution.twist, estimate.pose, self._reading, now_s)
             self._obeyed, reached = command, execution.reached
         else:
             self._executor.reset()
-        self._stopped_by = stop
+            self._protection.halt()
+        stop = self._stopped_by = self._since.of(stop, now_ns)
         self._answers.decided(command, stop, reached, now_ns)
         return Decision(twist, stop, self._answers.take())
 
@@ -156,11 +182,20 @@ class Pilot:
             stopped_by=self._stopped_by,
             pose_age_s=self._pose_age_s(now_ns, now_s),
             command_age_s=self.gate.age_s(now_s),
+            command_loss=self.gate.loss(now_s),
+            stop_epoch=self.latch.epoch if self.latch.engaged else None,
         )
 
     def consistency(self) -> NisReport | None:
         """How well the estimator's covariances agree with what cameras say; None where it has none."""
         return self._estimator.consistency()
+
+    def _guarded(self, wanted: Twist, pose: SE2, reading: OdometryReading, now_s: float) -> tuple[Twist, Reason | None]:
+        """What the robot's own protection leaves of the twist that the command asks for, and why when it is a stop."""
+        twist, fenced = self._fence.limit(wanted, pose)
+        twist, blocked = self._protection.limit(twist, reading.twist, now_s)
+        twist, near = self._front.limit(twist, reading.front_range_m)
+        return twist, fenced or blocked or near
 
     def _tell_ignored(self, release: EmergencyStop) -> None:
         """One line per epoch: the server repeats what it says, and one overtaken on the way is no fault."""

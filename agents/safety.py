@@ -9,7 +9,8 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from agents.motion import STOP, Twist
-from protocol.messages import Command, EmergencyStop, Reason, ReasonCode
+from protocol.loss import LossWatch
+from protocol.messages import Command, EmergencyStop, Movement, Reason, ReasonCode
 
 COMMAND_LIMIT_S = 0.5
 POSE_LIMIT_S = 0.5
@@ -39,6 +40,7 @@ class CommandGate:
         self._limit_s = limit_s
         self._current: Command | None = None
         self._received_s = 0.0
+        self._loss = LossWatch()
 
     def offer(self, command: Command, now_ns: int, now_s: float) -> Verdict:
         """OBEYED makes it the current command; any other verdict leaves everything as it was."""
@@ -46,7 +48,12 @@ class CommandGate:
         self.counts[verdict] += 1
         if verdict is Verdict.OBEYED:
             self._current, self._received_s = command, now_s
+            self._loss.add(command.sequence, now_s)
         return verdict
+
+    def loss(self, now_s: float) -> float | None:
+        """The share of guidance's commands of the last seconds that did not arrive (in time); None of too few."""
+        return self._loss.share(now_s)
 
     @property
     def current(self) -> Command | None:
@@ -114,13 +121,15 @@ class EmergencyStopLatch:
 @dataclass(frozen=True, slots=True)
 class Situation:
     """What the dead-man's switch looks at. `pose_age_s`: the greater of the time since capture and since arrival, None when
-    there is no pose that may be trusted; `fault`: what is wrong with the base, None when nothing is."""
+    there is no pose that may be trusted; `fault`: what is wrong with the base, None when nothing is; `battery_empty`: the share
+    of its charge that is left when that is too little."""
 
     latch: Reason | None
     fault: str | None
     command: Command | None
     command_age_s: float | None
     pose_age_s: float | None
+    battery_empty: float | None = None
 
 
 def why_still(situation: Situation, pose_limit_s: float = POSE_LIMIT_S) -> Reason | None:
@@ -137,7 +146,47 @@ def why_still(situation: Situation, pose_limit_s: float = POSE_LIMIT_S) -> Reaso
         return Reason(code=ReasonCode.POSE_STALE, text="not localized")
     if situation.pose_age_s > pose_limit_s:
         return Reason(code=ReasonCode.POSE_STALE, text=f"the last camera pose is {situation.pose_age_s:.1f} s old")
+    if situation.battery_empty is not None and situation.command.movement in (Movement.MOVE_TO, Movement.ROTATE):
+        # A hand may still drive it to where it is charged.
+        text = f"{situation.battery_empty:.0%} of the battery is left"
+        return Reason(code=ReasonCode.BATTERY_EMPTY, text=text)
     return None
+
+
+class BatteryWatch:
+    """Whether the battery is empty; once it was, it must have gained a little to count as charged."""
+
+    _GAINED = 0.02
+
+    def __init__(self, empty: float) -> None:
+        self._empty = empty
+        self._share: float | None = None
+        self._was_empty = False
+
+    def update(self, share: float | None) -> None:
+        """The share of a full charge, 0 to 1; None while unknown."""
+        self._share = share
+        if share is not None:
+            self._was_empty = share <= (self._empty + self._GAINED if self._was_empty else self._empty)
+
+    @property
+    def empty(self) -> float | None:
+        """What is left when that is too little to drive, else None."""
+        return self._share if self._was_empty else None
+
+
+class Since:
+    """Puts to a reason since when it holds: the same code again is the same stop, whatever its text says meanwhile."""
+
+    def __init__(self) -> None:
+        self._code: ReasonCode | None = None
+        self._since_ns = 0
+
+    def of(self, reason: Reason | None, now_ns: int) -> Reason | None:
+        code = None if reason is None else reason.code
+        if code != self._code:
+            self._code, self._since_ns = code, now_ns
+        return None if reason is None else reason.model_copy(update={"since_ns": self._since_ns})
 
 
 class FrontGuard:

@@ -1,5 +1,5 @@
-"""The cable between robots' computers and their simulated bases: DRIVE datagrams in, ODOMETRY out (docs/architecture.md,
-"The simulated base"). What is short, forged, stale or doubled is counted and has no effect."""
+"""The cable between robots' computers and their simulated bases: DRIVE datagrams in, ODOMETRY and SCAN out
+(docs/architecture.md, "The simulated base"). What is short, forged, stale or doubled is counted and has no effect."""
 
 import asyncio
 import logging
@@ -12,7 +12,7 @@ from lab.world import World
 from protocol.clock import Clock
 from protocol.datagram import LAB, Datagram, ReplayGuard, Sequencer, Verdict, pack, unpack
 from protocol.errors import DecodeError
-from protocol.messages import DriveSetpoint
+from protocol.messages import DriveSetpoint, Odometry, Scan
 
 ODOMETRY_PERIOD_NS = 20_000_000
 _logger = logging.getLogger(__name__)
@@ -38,6 +38,7 @@ class BaseLink(asyncio.DatagramProtocol):
         self._transport: asyncio.DatagramTransport | None = None
         self._reported: Counter[str] = Counter()
         self._next_odometry_ns = 0
+        self._next_scan_ns = dict.fromkeys(world.scanners, 0)
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         self._transport = cast("asyncio.DatagramTransport", transport)
@@ -51,12 +52,13 @@ class BaseLink(asyncio.DatagramProtocol):
         _logger.debug("odometry was not delivered: %s", exc)
 
     def tick(self) -> None:
-        """To be called after every step of the world: delivers what was delayed and sends odometry when it is time."""
+        """To be called after every step of the world: delivers what was delayed, sends odometry and scans when it is time."""
         self._take_arrived()
         stamp_ns = self._world.stamp_ns
         if not self._next_odometry_ns - ODOMETRY_PERIOD_NS <= stamp_ns < self._next_odometry_ns:
             self._next_odometry_ns = stamp_ns - stamp_ns % ODOMETRY_PERIOD_NS + ODOMETRY_PERIOD_NS
             self._send_odometry()
+        self._send_scans(stamp_ns)
         for data, address in self._outward.due(self._clock.monotonic_s()):
             if self._transport is not None:
                 self._transport.sendto(data, address)
@@ -72,9 +74,22 @@ class BaseLink(asyncio.DatagramProtocol):
 
     def _send_odometry(self) -> None:
         for vehicle, address in self._addresses.items():
-            message = self._world.odometry(vehicle)
-            datagram = Datagram(LAB, self._sequencer.next(), self._clock.now_ns(), message)
-            self._outward.send((pack(datagram, self._key), address), self._clock.monotonic_s())
+            self._send(self._world.odometry(vehicle), address)
+
+    def _send_scans(self, stamp_ns: int) -> None:
+        """A scanner turns on at its own rate; one whose time was set (a suspended computer) begins anew."""
+        for vehicle, next_ns in self._next_scan_ns.items():
+            address = self._addresses.get(vehicle)
+            period_ns = round(1e9 / self._world.scanners[vehicle].spec.rate_hz)
+            if address is None or next_ns - 2 * period_ns <= stamp_ns < next_ns:
+                continue
+            late_ns = stamp_ns - next_ns
+            self._next_scan_ns[vehicle] = (next_ns if 0 <= late_ns < period_ns else stamp_ns) + period_ns
+            self._send(self._world.scan(vehicle), address)
+
+    def _send(self, message: Odometry | Scan, address: Address) -> None:
+        datagram = Datagram(LAB, self._sequencer.next(), self._clock.now_ns(), message)
+        self._outward.send((pack(datagram, self._key), address), self._clock.monotonic_s())
 
     def _take_arrived(self) -> None:
         for data, address in self._inward.due(self._clock.monotonic_s()):

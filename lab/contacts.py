@@ -2,7 +2,7 @@
 
 from typing import Protocol
 
-from shapely.geometry import Polygon
+from shapely.geometry.base import BaseGeometry
 
 from geometry import SE2
 
@@ -17,7 +17,7 @@ class Body(Protocol):
     pose: SE2
     radius_m: float
 
-    def footprint_at(self, pose: SE2) -> Polygon: ...
+    def footprint_at(self, pose: SE2) -> BaseGeometry: ...
 
 
 def overlap_m2(body: Body, pose: SE2, other: Body) -> float:

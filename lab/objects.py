@@ -4,6 +4,8 @@ import itertools
 import math
 from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
 from shapely import affinity
 from shapely.geometry import Point, Polygon, box
 
@@ -18,6 +20,9 @@ PALLET_LENGTH_M, PALLET_WIDTH_M, PALLET_HEIGHT_M = 0.6, 0.4, 0.144
 
 _PERSON = Point(0.0, 0.0).buffer(PERSON_RADIUS_M, quad_segs=4)
 _PALLET = box(-PALLET_LENGTH_M / 2, -PALLET_WIDTH_M / 2, PALLET_LENGTH_M / 2, PALLET_WIDTH_M / 2)
+
+
+_OUTLINES = {kind: np.array(shape.exterior.coords[:-1]) for kind, shape in (("person", _PERSON), ("pallet", _PALLET))}
 
 
 class _Leg(NamedTuple):
@@ -42,6 +47,11 @@ class PlacedObject:
         self.radius_m = (
             PERSON_RADIUS_M if description.kind == "person" else math.hypot(PALLET_LENGTH_M, PALLET_WIDTH_M) / 2
         )
+
+    @property
+    def outline(self) -> NDArray[np.float64]:
+        """The corners (N, 2) seen from its centre (m)."""
+        return _OUTLINES[self.description.kind]
 
     @property
     def walks(self) -> bool:

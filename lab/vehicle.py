@@ -21,6 +21,8 @@ WATCHDOG_S = 0.3
 """A base without a set-point for this long stops."""
 _IDLE_DRAIN_PER_S = 1.0 / (8 * 3600)
 _DRAIN_PER_M = 1.0 / 8000
+_EXCHANGE_S = 60.0
+"""Somebody puts a full battery into a vehicle that stands with a flat one for a minute, so that a lab may run for months."""
 
 
 class SimulatedVehicle:
@@ -41,9 +43,11 @@ class SimulatedVehicle:
         self._target = (0.0, 0.0)
         self._pending: deque[tuple[float, float, float]] = deque()
         self._heard_s = -math.inf
+        self._flat_s = 0.0
         self._slip = (0.5, 0.5)
         # A stream of its own: the chance of wheels and sensors is the same whatever the kind draws.
         self._kinematics = KINEMATICS[spec.kind](spec, drive, rng.spawn(1)[0])
+        self.outline = np.asarray(spec.footprint, dtype=np.float64)
         self._footprint = Polygon(spec.footprint)
         self.radius_m = max(math.hypot(x, y) for x, y in spec.footprint)
 
@@ -74,13 +78,19 @@ class SimulatedVehicle:
         self.linear_mps, self.angular_radps = motion.way_m / step_s, motion.turn_rad / step_s
         self.odometry = rolled(self.odometry, measured.way_m, measured.turn_rad)
         self.measured_linear_mps, self.measured_angular_radps = measured.linear_mps, measured.angular_radps
-        self.battery = max(0.0, self.battery - _IDLE_DRAIN_PER_S * step_s - _DRAIN_PER_M * motion.rolled_m)
+        self._drain(motion.rolled_m, step_s)
 
     def stall(self) -> None:
         """Something stands in the way: the base stands still and its wheels with it."""
         self.linear_mps = self.angular_radps = 0.0
         self.measured_linear_mps = self.measured_angular_radps = 0.0
         self._kinematics.stall()
+
+    def _drain(self, rolled_m: float, step_s: float) -> None:
+        self.battery = max(0.0, self.battery - _IDLE_DRAIN_PER_S * step_s - _DRAIN_PER_M * rolled_m)
+        self._flat_s = self._flat_s + step_s if self.battery <= self.spec.battery.empty and rolled_m == 0.0 else 0.0
+        if self._flat_s > _EXCHANGE_S:
+            self.battery = 1.0
 
     def _hear(self, now_s: float) -> None:
         """Takes the set-points that have passed the motors' delay; the watchdog."""

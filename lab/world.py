@@ -6,18 +6,21 @@ runs slower or faster than real time, and its stamps count on from `start_ns`.
 
 import math
 import zlib
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 
 import numpy as np
+from shapely.geometry import Polygon
 
 from geometry import SE2
 from lab.contacts import Body, ContactCounter, blocks, overlap_m2
 from lab.objects import PlacedObject
 from lab.ranging import RANGE_MAX_M, front_range_m
+from lab.scanning import SimulatedScannerHead, outline_segments
 from lab.snapshot import Snapshot, VehicleSnapshot
 from lab.vehicle import SimulatedVehicle
+from lab.walls import WALL, Walls
 from protocol.lab import Lab
-from protocol.messages import GroundTruth, Odometry, SimulatedObject, TruePose
+from protocol.messages import GroundTruth, Odometry, Scan, SimulatedObject, TruePose
 
 START_NS = 1_700_000_000_000_000_000
 
@@ -38,12 +41,17 @@ class World:
         self._contacts = ContactCounter()
         self._objects: dict[str, PlacedObject] = {}
         self._vehicles: dict[str, SimulatedVehicle] = {}
+        self._scanners: dict[str, SimulatedScannerHead] = {}
+        self._walls = Walls(lab.simulation.walls)
         for spec in lab.vehicles:
             if spec.driver == "sim":
                 rng = np.random.default_rng([self.seed, zlib.crc32(spec.id.encode())])
                 start = lab.simulation.starts.get(spec.id)
                 pose = SE2(*start) if start else _free_spot(lab, list(self._vehicles.values()))
                 self._vehicles[spec.id] = SimulatedVehicle(spec, lab.simulation.drive, pose, rng)
+                if spec.scanner is not None:
+                    rng = np.random.default_rng([self.seed, zlib.crc32(f"scanner of {spec.id}".encode())])
+                    self._scanners[spec.id] = SimulatedScannerHead(spec.scanner, lab.simulation.scanner, rng)
 
     @property
     def stamp_ns(self) -> int:
@@ -114,6 +122,31 @@ class World:
             range_front_m=front_range_m(base.pose, front_m, near, base.range_noise),
         )
 
+    @property
+    def scanners(self) -> Mapping[str, SimulatedScannerHead]:
+        """The scanners by vehicle."""
+        return self._scanners
+
+    def scan(self, vehicle: str) -> Scan:
+        """One turn of the vehicle's scanner, now. KeyError for a vehicle that has none."""
+        return self.scan_with(self._scanners[vehicle], vehicle)
+
+    def scan_with(self, scanner: SimulatedScannerHead, vehicle: str) -> Scan:
+        """One turn of another scanner in the place of the vehicle's own, now."""
+        base, reach = self._vehicle(vehicle), scanner.reach_m()
+        outlines = [
+            outline_segments(other.pose.apply(other.outline))
+            for _, other in self._others(vehicle)
+            if base.pose.distance_to(other.pose) < reach + other.radius_m
+        ]
+        return Scan(
+            vehicle=vehicle,
+            stamp_ns=self._stamp_ns,
+            angle_min=scanner.spec.angle_min_rad,
+            angle_increment=scanner.spec.angle_increment_rad,
+            ranges_mm=scanner.turn(base.pose, np.vstack([self._walls.segments, *outlines])),
+        )
+
     def truth(self) -> GroundTruth:
         """The true poses and the contacts since the start."""
         return GroundTruth(
@@ -135,6 +168,10 @@ class World:
             ),
             tuple(placed.snapshot() for placed in self._objects.values()),
         )
+
+    def object_outlines(self) -> list[Polygon]:
+        """The outlines of people and pallets on the map (m)."""
+        return [placed.footprint_at(placed.pose) for placed in self._objects.values()]
 
     def place(self, vehicle: str, pose: SE2) -> None:
         """Lifts a vehicle to a pose; it stands still there, its odometry notices nothing. KeyError for an unknown one."""
@@ -164,14 +201,16 @@ class World:
             known = ", ".join(self._vehicles) or "none"
             raise KeyError(f"no simulated vehicle {vehicle!r} (there are: {known})") from None
 
-    def _others(self, vehicle_id: str) -> Iterator[tuple[str, Body]]:
+    def _others(self, vehicle_id: str) -> Iterator[tuple[str, SimulatedVehicle | PlacedObject]]:
         for name, vehicle in self._vehicles.items():
             if name != vehicle_id:
                 yield name, vehicle
         yield from self._objects.items()
 
     def _blocked(self, body_id: str, body: Body, pose: SE2, others: Iterable[tuple[str, Body]]) -> bool:
-        blocked = False
+        blocked = self._walls.block(body, pose)
+        if blocked:
+            self._contacts.touch(body_id, body, WALL, self._walls)
         for other_id, other in others:
             if blocks(body, pose, other):
                 self._contacts.touch(body_id, body, other_id, other)

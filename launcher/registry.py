@@ -20,6 +20,7 @@ class Command:
 COMMANDS = (
     Command("up", "start the whole system for a lab and open the console"),
     Command("run", "run one process of the system in the foreground (containers, several machines)"),
+    Command("stop", "stop every robot at once, also when the server is dead"),
     Command("user", "list, add and remove users of the console, set their passwords"),
     Command("token", "list, issue and revoke API tokens for programs and robots"),
     Command("detect", "find AprilTags in pictures"),

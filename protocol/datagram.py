@@ -6,7 +6,7 @@ Layout, big-endian:
 |---|---|
 | 2 | magic `LP` |
 | 1 | version, 1 |
-| 1 | kind: 1 POSE, 2 STATUS, 3 DRIVE, 4 ODOMETRY |
+| 1 | kind: 1 POSE, 2 STATUS, 3 DRIVE, 4 ODOMETRY, 5 SCAN, 6 STOP |
 | 1 | flags: bit 0 set when an HMAC follows the payload; the others are 0 |
 | 1 | length of the sender's id, 1..32 |
 | 8 | sequence: starts at the sender's clock in microseconds and grows by one per datagram |
@@ -30,12 +30,12 @@ from pydantic import BaseModel
 
 from protocol.codec import decode, encode
 from protocol.errors import DecodeError
-from protocol.messages import DriveSetpoint, Odometry, Status, TrackedPose
+from protocol.messages import DriveSetpoint, EmergencyStop, Odometry, Scan, Status, TrackedPose
 
 MAGIC = b"LP"
 VERSION = 1
 TRACKER, LAB = "tracker", "lab"
-"""Who sends POSE and ODOMETRY; STATUS and DRIVE bear the id of the robot that sends them."""
+"""Who sends POSE, and ODOMETRY and SCAN; STATUS and DRIVE bear the id of the robot that sends them."""
 MAX_PAYLOAD = 1400
 """Keeps a datagram within one Ethernet frame."""
 _HEADER = struct.Struct(">2sBBBBQQH")
@@ -50,6 +50,8 @@ class Kind(IntEnum):
     STATUS = 2
     DRIVE = 3
     ODOMETRY = 4
+    SCAN = 5
+    STOP = 6
 
 
 MESSAGES: dict[Kind, type[BaseModel | Struct]] = {
@@ -57,6 +59,8 @@ MESSAGES: dict[Kind, type[BaseModel | Struct]] = {
     Kind.STATUS: Status,
     Kind.DRIVE: DriveSetpoint,
     Kind.ODOMETRY: Odometry,
+    Kind.SCAN: Scan,
+    Kind.STOP: EmergencyStop,
 }
 _MESSAGES_BY_NUMBER = {int(kind): message for kind, message in MESSAGES.items()}
 _KINDS: dict[type[BaseModel | Struct], Kind] = {message: kind for kind, message in MESSAGES.items()}

@@ -83,7 +83,7 @@ def create_app(
             bus = await stack.enter_async_context(_bus(configuration.redis_url, clock))
             listener = StatusListener(bus, lab_description, clock, configuration.udp_key)
             await stack.enter_async_context(listener.listening(robots))
-            hub = LiveHub(bus, lab_description, clock, listener.view)
+            hub = LiveHub(bus, lab_description, clock, listener.view, listener.losses)
             scene = await stack.enter_async_context(_scene_client(configuration.scene_port))
             app.state.context = Context.build(
                 configuration, lab_description, clock, bus, hub, listener, scene, passwords or Passwords()

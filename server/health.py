@@ -5,7 +5,7 @@ said once: of a camera whose process is gone it is not also said that it sends n
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import UTC, datetime, tzinfo
 from typing import Any, Literal
 
@@ -27,18 +27,21 @@ from protocol.channels import (
     Instances,
 )
 from protocol.lab import GPSS_DRIVER, Lab, VehicleSpec
-from protocol.messages import CameraState, ProcessState
+from protocol.messages import CameraState, ProcessState, Status
 from server.views.base import age_s
 from server.views.health import ChannelView, Condition, HealthView, ProblemView, RedisView, UdpView
 
 Stamps = Mapping[str, Mapping[str, int]]
 """Channel name -> instance -> stamp of its newest message (ns)."""
 _BAD = (Condition.STALE, Condition.MISSING)
+_LOSSY = 0.2
+"""A share of messages lost that a person should know of."""
 
 
 @dataclass(frozen=True, slots=True)
 class HealthInputs:
-    """What health is judged by; `zone` is the time zone of clock times in sentences."""
+    """What health is judged by; `zone` is the time zone of clock times in sentences, `losses` the share of each robot's statuses
+    that did not arrive."""
 
     started_ns: int
     stamps: Stamps
@@ -47,6 +50,8 @@ class HealthInputs:
     redis: RedisView
     udp: UdpView
     zone: tzinfo | None = None
+    statuses: Mapping[str, Status] = field(default_factory=dict[str, Status])
+    losses: Mapping[str, float] = field(default_factory=dict[str, float])
 
 
 def health_view(lab: Lab, inputs: HealthInputs, now_ns: int) -> HealthView:
@@ -215,6 +220,28 @@ class _Problems:
                 f"no camera has seen {robot}{self._since(since_ns)}" if since_ns else f"no camera has ever seen {robot}"
             )
             yield _problem("warning", robot, since_ns, text)
+        if heard is not None and not self._bad(STATUSES, robot):
+            yield from self._said_by(vehicle)
+
+    def _said_by(self, vehicle: VehicleSpec) -> Iterator[ProblemView]:
+        """What a robot that is heard says of itself, and how well it is heard."""
+        robot, status = vehicle.id, self._inputs.statuses.get(vehicle.id)
+        if status is None:
+            return
+        stop = status.stopped_by
+        since_ns = None if stop is None else stop.since_ns
+        for fault in status.faults:
+            yield _problem("error", robot, since_ns, f"{robot}: {fault}{self._since(since_ns)}")
+        if status.battery is not None and status.battery <= vehicle.battery.low:
+            empty = status.battery <= vehicle.battery.empty
+            text = f"{robot} has {status.battery:.0%} of its battery left{': it drives no route any more' if empty else ''}"
+            yield _problem("error" if empty else "warning", robot, None, text)
+        lost = self._inputs.losses.get(robot, 0.0)
+        if lost > _LOSSY:
+            yield _problem("warning", robot, None, f"{lost:.0%} of the statuses of {robot} are lost on their way here")
+        if status.command_loss is not None and status.command_loss > _LOSSY:
+            text = f"{status.command_loss:.0%} of the commands for {robot} do not reach it in time"
+            yield _problem("warning", robot, None, text)
 
     def _bad(self, channel: Channel[Any], instance: str) -> bool:
         row = self._rows.get((channel.name, instance))

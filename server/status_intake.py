@@ -11,6 +11,7 @@ from protocol.clock import Clock
 from protocol.codec import encode
 from protocol.datagram import Datagram, ReplayGuard, Verdict
 from protocol.lab import Lab
+from protocol.loss import LossWatch
 from protocol.messages import Event, EventLevel, Status
 from server.repositories.history import record
 
@@ -33,12 +34,19 @@ class StatusIntake:
         self._guard = ReplayGuard()
         self._pending: dict[str, bytes] = {}
         self._filled = asyncio.Event()
+        self._losses: dict[str, LossWatch] = {}
         self._told_s: dict[str, float] = {}
         self._untold: list[Event] = []
 
     def forget(self, robot: str) -> None:
         """Lets a robot start over, as after a registration with a clock that was set back."""
         self._guard.forget(robot)
+
+    def losses(self) -> dict[str, float]:
+        """By robot: the share of its statuses of the last seconds that did not arrive, rounded to per cent."""
+        now_s = self._clock.monotonic_s()
+        shares = {robot: watch.share(now_s) for robot, watch in self._losses.items()}
+        return {robot: round(share, 2) for robot, share in shares.items() if share is not None}
 
     def offer(self, datagram: Datagram, origin: str) -> None:
         """Takes the status in the envelope, or refuses it; `origin` is where it came from, for people."""
@@ -55,6 +63,7 @@ class StatusIntake:
         if verdict is not Verdict.FRESH:
             return self.refuse(verdict.value, f"status of {sender} from {origin} is {verdict.value.replace('_', ' ')}")
         self.counts["accepted"] += 1
+        self._losses.setdefault(sender, LossWatch()).add(datagram.sequence, self._clock.monotonic_s())
         self._pending[sender] = datagram.payload or encode(status)
         self._filled.set()
         return None

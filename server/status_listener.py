@@ -56,6 +56,10 @@ class StatusListener:
         """Lets a robot start over, as after a registration with a clock that was set back."""
         self._intake.forget(robot)
 
+    def losses(self) -> dict[str, float]:
+        """By robot: the share of its statuses of the last seconds that did not arrive."""
+        return self._intake.losses()
+
     def view(self) -> UdpView:
         """The counters, for the health."""
         counts = self._intake.counts

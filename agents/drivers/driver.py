@@ -5,10 +5,12 @@ tests/agents runs over every implementation. The base itself must stop when it h
 simulated one): nothing on the robot's computer can stop wheels after that computer has hung.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
 from agents.motion import Twist
+from agents.protection import RangeScan
 from geometry import SE2
 
 
@@ -68,6 +70,11 @@ class Driver(Protocol):
     def read_odometry(self, max_age_s: float) -> OdometryReading:
         """The newest odometry. OdometryStaleError when it is older than `max_age_s` or there was none,
         DriverNotConnectedError before `connect`."""
+        ...
+
+    def watch_scans(self, heard: Callable[[RangeScan], None]) -> None:
+        """Has `heard` told of every turn of the base's safety scanner, as soon as it is here, at the latest in `read_odometry`.
+        Bases without a scanner never call it; those with one that has fallen silent say so among their faults."""
         ...
 
     def battery(self) -> float | None:

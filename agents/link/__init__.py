@@ -5,6 +5,7 @@ from agents.link.datagrams import RobotSocket, bind_host, server_host
 from agents.link.http import make_client
 from agents.link.registration import Introduction, Registrar, Welcome
 from agents.link.responses import ResponseQueue
+from agents.link.stops import StopListener, stop_host
 
 __all__ = [
     "CommandStream",
@@ -12,8 +13,10 @@ __all__ = [
     "Registrar",
     "ResponseQueue",
     "RobotSocket",
+    "StopListener",
     "Welcome",
     "bind_host",
     "make_client",
     "server_host",
+    "stop_host",
 ]

@@ -8,7 +8,7 @@ from typing import Protocol, cast
 from launcher.errors import UsageError
 from launcher.output import Result, print_result
 
-EXPERIMENTS = ("tracking", "max-speed", "coverage", "crowd", "rectangle", "fusion", "route")
+EXPERIMENTS = ("tracking", "max-speed", "coverage", "crowd", "rectangle", "fusion", "route", "obstacles")
 """A name is a module in launcher/experiments (hyphens are underscores there) with `add_arguments(parser)` and
 `run(arguments) -> Result`."""
 

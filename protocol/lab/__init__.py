@@ -28,11 +28,13 @@ from protocol.lab.devices import (
     ZoneSpec,
 )
 from protocol.lab.loader import load_lab, parse_lab
+from protocol.lab.protection import BatterySpec, ProtectiveFieldSpec, ScannerSpec
 from protocol.lab.simulation import (
     SimulatedDrive,
     SimulatedImage,
     SimulatedMount,
     SimulatedNetwork,
+    SimulatedScanner,
     SimulatedSurvey,
     Simulation,
 )
@@ -42,6 +44,7 @@ __all__ = [
     "ROS2_DRIVER",
     "Accuracy",
     "Area",
+    "BatterySpec",
     "CameraSpec",
     "ControlSpec",
     "FloorTags",
@@ -57,12 +60,15 @@ __all__ = [
     "Output",
     "Outputs",
     "Ports",
+    "ProtectiveFieldSpec",
     "Ros2Base",
     "Ros2Output",
+    "ScannerSpec",
     "SimulatedDrive",
     "SimulatedImage",
     "SimulatedMount",
     "SimulatedNetwork",
+    "SimulatedScanner",
     "SimulatedSurvey",
     "Simulation",
     "VehicleSpec",

@@ -1,5 +1,6 @@
 """What stands in a lab: areas, cameras, tags, vehicles, zones, ports."""
 
+import itertools
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
@@ -18,6 +19,7 @@ from protocol.lab.base import (
     require_simple,
 )
 from protocol.lab.control import ControlSpec
+from protocol.lab.protection import BatterySpec, ProtectiveFieldSpec, ScannerSpec
 
 
 class Area(LabModel):
@@ -134,7 +136,8 @@ class Ros2Base(LabModel):
 
 
 class VehicleSpec(LabModel):
-    """A robot. `footprint` is its outline in metres seen from its rotation centre (x forward, y left)."""
+    """A robot. `footprint` is its outline in metres seen from its rotation centre (x forward, y left); `scanner` is its safety
+    scanner, if the simulated lab is to have one (a ROS 2 base has its own, see `ros2`)."""
 
     id: Identifier
     kind: Literal["wifibot", "turtlebot", "agv", "freke"]
@@ -145,6 +148,9 @@ class VehicleSpec(LabModel):
     obstacle_box: ObstacleBox = ObstacleBox()
     ros2: Ros2Base | None = None
     control: ControlSpec = ControlSpec()
+    scanner: ScannerSpec | None = None
+    protective_field: ProtectiveFieldSpec = ProtectiveFieldSpec()
+    battery: BatterySpec = BatterySpec()
 
     @model_validator(mode="after")
     def _simple(self) -> Self:
@@ -221,17 +227,20 @@ class Outputs(LabModel):
 
 class Ports(LabModel):
     """Where the system listens: HTTP of the console and API, UDP from robots, the loopback-only port of the 3D scene,
-    and UDP of the simulated lab's vehicles. `redis` opens the private Redis to robots that speak GPSS (none: closed)."""
+    and UDP of the simulated lab's vehicles. Every robot's agent listens on `stop_udp` for emergency stops by broadcast. `redis`
+    opens the private Redis to robots that speak GPSS (none: closed)."""
 
     http: Port = 8000
     robots_udp: Port = 2020
     scene: Port = 8010
     lab_udp: Port = 2030
+    stop_udp: Port = 2040
     redis: Port | None = None
 
     @model_validator(mode="after")
     def _distinct(self) -> Self:
-        for a, b in (("http", "scene"), ("http", "redis"), ("scene", "redis"), ("robots_udp", "lab_udp")):
+        tcp, udp = ("http", "scene", "redis"), ("robots_udp", "lab_udp", "stop_udp")
+        for a, b in (*itertools.combinations(tcp, 2), *itertools.combinations(udp, 2)):
             if getattr(self, a) == getattr(self, b):
                 raise ValueError(f"{a} and {b} cannot share port {getattr(self, a)}")
         return self

@@ -53,6 +53,15 @@ class SimulatedDrive(LabModel):
     steering_rate_radps: Positive = 1.5
 
 
+class SimulatedScanner(LabModel):
+    """How simulated safety scanners lie: standard deviation of a range (m), the share of echoes that do not come back, and the
+    share of beams that find something where nothing is (dust, a glint)."""
+
+    noise_m: NonNegative = 0.01
+    missed: Annotated[float, Field(ge=0, lt=1)] = 0.002
+    false_echoes: Annotated[float, Field(ge=0, lt=1)] = 0.0002
+
+
 class SimulatedNetwork(LabModel):
     """What happens to datagrams between robots and the rest: share lost and duplicated, delay and its jitter (s)."""
 
@@ -67,15 +76,18 @@ Tour = Annotated[tuple[PointXY, ...], Field(min_length=2, max_length=99)]
 
 class Simulation(LabModel):
     """What only the simulated lab reads: the truth behind the cameras and vehicles, and its knobs. `tours` are loops of
-    points (m, map frame) that vehicles drive from the lab's first start on."""
+    points (m, map frame) that vehicles drive from the lab's first start on; `walls` are lines (m, map frame) that scanners see
+    and nobody passes."""
 
     seed: int = 1
     step_s: Annotated[float, Field(gt=0, le=0.05)] = 0.01
     mounts: dict[Identifier, SimulatedMount] = Field(default_factory=dict)
     starts: dict[Identifier, PoseXYYaw] = Field(default_factory=dict)
     lanes: tuple[Annotated[tuple[PointXY, ...], Field(min_length=2)], ...] = ()
+    walls: tuple[Annotated[tuple[PointXY, ...], Field(min_length=2)], ...] = ()
     survey: SimulatedSurvey = SimulatedSurvey()
     tours: dict[Identifier, Tour] = Field(default_factory=dict)
     image: SimulatedImage = SimulatedImage()
     drive: SimulatedDrive = SimulatedDrive()
+    scanner: SimulatedScanner = SimulatedScanner()
     network: SimulatedNetwork = SimulatedNetwork()

@@ -51,6 +51,7 @@ from protocol.messages.simulated import (
     FaultKind,
     GroundTruth,
     Odometry,
+    Scan,
     SimulatedObject,
     TruePose,
 )
@@ -96,6 +97,7 @@ __all__ = [
     "RobotSettings",
     "Route",
     "RunState",
+    "Scan",
     "SimulatedObject",
     "Status",
     "Target",

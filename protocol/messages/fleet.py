@@ -51,13 +51,16 @@ class ReasonCode(StrEnum):
     WAYPOINT_MISSING = "waypoint_missing"
     NOT_CONNECTED = "not_connected"
     DRIVER_FAULT = "driver_fault"
+    PROTECTIVE_FIELD = "protective_field"
+    BATTERY_EMPTY = "battery_empty"
 
 
 class Reason(Message):
-    """A code for machines and a sentence for people, e.g. ("obstacle", "0.42 m ahead at (3.1, 0.9)")."""
+    """A code for machines and a sentence for people, e.g. ("obstacle", "0.42 m ahead at (3.1, 0.9)"); since when it holds."""
 
     code: ReasonCode
     text: str = ""
+    since_ns: StampNs | None = None
 
 
 class Target(Message):
@@ -138,6 +141,13 @@ class Status(Message):
     stopped_by: Reason | None = Field(default=None, description="Why the robot itself holds still, if it does.")
     pose_age_s: NonNegative | None = None
     command_age_s: NonNegative | None = None
+    command_loss: Annotated[float, Field(strict=True, ge=0, le=1)] | None = Field(
+        default=None,
+        description="Share of guidance's commands of the last seconds that did not reach the robot in time.",
+    )
+    stop_epoch: Counted | None = Field(
+        default=None, description="Epoch of the emergency stop that the robot holds; None while it holds none."
+    )
 
 
 class Outcome(StrEnum):

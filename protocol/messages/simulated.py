@@ -41,6 +41,18 @@ class Odometry(Struct, frozen=True, forbid_unknown_fields=True):
     range_front_m: Real | None = None
 
 
+class Scan(Struct, frozen=True, forbid_unknown_fields=True):
+    """Simulated base to agent: one turn of the safety scanner at `stamp_ns`. Beam i lies at `angle_min + i * angle_increment`
+    (rad, counter-clockwise from the scanner's own x axis); `ranges_mm` holds two bytes per beam, most significant first: whole
+    millimetres, 0 where no echo came back."""
+
+    vehicle: str
+    stamp_ns: Whole
+    angle_min: Real
+    angle_increment: Real
+    ranges_mm: bytes
+
+
 class TruePose(Struct, frozen=True, forbid_unknown_fields=True):
     """Where a vehicle's rotation centre truly is."""
 

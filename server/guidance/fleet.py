@@ -2,6 +2,7 @@
 to be told. Pure: no Redis, no clock, no chance."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 from mapping.grid import FloorGrid
 from protocol.channels import OBSTACLES
@@ -28,6 +29,7 @@ class Guidance:
         self._robots = {name: RobotGuidance(spec, ground, self._parameters) for name, spec in self._vehicles.items()}
         self._sequence = 0
         self._told: dict[str, tuple[ReasonCode, str | None, bool]] = {}
+        self._since: dict[str, tuple[ReasonCode, int]] = {}
         self._deadlocks = DeadlockWatch(self._parameters.deadlock_s)
         self._progress = ProgressWatch(self._parameters.no_progress_s)
 
@@ -37,7 +39,9 @@ class Guidance:
         events: list[Event] = []
         grid = self._grid(snapshot)
         around = Surroundings(grid, robot_shapes(self._vehicles, snapshot, self._parameters))
-        views = {name: robot.cycle(snapshot, around) for name, robot in self._robots.items()}
+        views = {
+            name: self._dated(name, robot.cycle(snapshot, around), snapshot) for name, robot in self._robots.items()
+        }
         for name, view in views.items():
             events.extend(self._told_of(name, view, snapshot))
         waits_for = {
@@ -71,6 +75,16 @@ class Guidance:
             linear_mps=decision.linear_mps,
             angular_radps=decision.angular_radps,
         )
+
+    def _dated(self, robot: str, view: View, snapshot: Snapshot) -> View:
+        """The view with the time since when its reason's code holds."""
+        decision = view.decision
+        code, since_ns = self._since.get(robot, (None, 0))
+        if code != decision.reason.code:
+            since_ns = snapshot.now_ns
+            self._since[robot] = decision.reason.code, since_ns
+        reason = decision.reason.model_copy(update={"since_ns": since_ns})
+        return replace(view, decision=replace(decision, reason=reason))
 
     def _told_of(self, robot: str, view: View, snapshot: Snapshot) -> list[Event]:
         """An event when a robot's reason, or the robot that it waits for, changed; nothing about what was so at the start."""

@@ -47,12 +47,13 @@ from protocol.messages import (
     ProcessState,
     Route,
     SimulatedObject,
+    Status,
     Waypoint,
 )
 from server.health import HealthInputs, health_view
 from server.live.feeds import CommandFeeds
 from server.live.latch import EmergencyStopLatch
-from server.live.newest import NewestMessages, decoded_or_none, orders
+from server.live.newest import NewestMessages, decoded_or_none, held_stop, orders
 from server.live.reading import read_extrinsics
 from server.live.sections import Item, Sections
 from server.repositories.camera_faults import CAMERA_FAULTS
@@ -95,9 +96,16 @@ _AWAY = (*UNAVAILABLE, RedisError, BusUnavailableError)
 class LiveHub:
     """Its `parts` must be running for anything to be new."""
 
-    def __init__(self, bus: Bus, lab: Lab, clock: Clock, udp: Callable[[], UdpView]) -> None:
+    def __init__(
+        self,
+        bus: Bus,
+        lab: Lab,
+        clock: Clock,
+        udp: Callable[[], UdpView],
+        losses: Callable[[], Mapping[str, float]] = dict,
+    ) -> None:
         self.feeds = CommandFeeds()
-        self._bus, self._lab, self._clock, self._udp = bus, lab, clock, udp
+        self._bus, self._lab, self._clock, self._udp, self._losses = bus, lab, clock, udp, losses
         self._store = Store(bus.redis)
         self.latch = EmergencyStopLatch(EmergencyStopRepository(self._store, clock), self.feeds, clock)
         self._started_ns = clock.now_ns()
@@ -180,6 +188,10 @@ class LiveHub:
             received = ReceivedRaw(COMMANDS, orders(received.messages))
             for robot, data in received.messages.items():
                 self.feeds.command(robot, data)
+        elif received.channel is STATUSES:
+            for robot, data in received.messages.items():
+                if (epoch := held_stop(data)) is not None:
+                    self.latch.held(robot, epoch)
         self._newest.take(received)
         self._dirty.set()
 
@@ -315,6 +327,7 @@ class LiveHub:
         fleet.poses, fleet.statuses = newest.of(POSES), newest.of(STATUSES)
         fleet.registrations, fleet.commands = newest.of(REGISTRATIONS), newest.of(COMMANDS)
         fleet.guidance, fleet.manual = newest.of(GUIDANCE), newest.of(MANUAL)
+        fleet.losses = self._losses()
         fleet.emergency_stop = self.feeds.emergency_stop or EmergencyStop(engaged=False)
 
     def _build_others(self) -> None:
@@ -348,6 +361,8 @@ class LiveHub:
                 processes=cast("Mapping[str, ProcessState]", self._newest.of(PROCESSES)),
                 redis=RedisView(reachable=self._away_since_ns is None, since_ns=self._away_since_ns),
                 udp=self._udp(),
+                statuses=cast("dict[str, Status]", self._newest.of(STATUSES)),
+                losses=self._losses(),
             ),
             self._clock.now_ns(),
         )

@@ -18,6 +18,8 @@ from server.live.feeds import CommandFeeds
 from server.repositories.emergency_stop import EmergencyStopRepository, newer_epoch
 
 _RETRY_S = 0.2
+_AHEAD_MS = 3_600_000
+"""An epoch this far ahead of the clock is no robot's: agents hold none that is more than half a minute ahead of theirs."""
 _AWAY = (RedisError, OSError, BusUnavailableError, UnavailableError)
 _logger = logging.getLogger(__name__)
 
@@ -76,6 +78,23 @@ class EmergencyStopLatch:
         if known is not None and known.engaged and not stop.engaged:
             self._unwritten.set()
         return changed
+
+    def held(self, robot: str, epoch: int) -> None:
+        """A robot holds a stop of that epoch. One that this server does not know of came by broadcast: it becomes everybody's,
+        so that people see it and can release it."""
+        known = self._feeds.emergency_stop
+        if known is None or epoch <= known.epoch or epoch > self._clock.now_ns() // 1_000_000 + _AHEAD_MS:
+            return
+        if known.engaged:
+            stop = known.model_copy(update={"epoch": epoch})
+        else:
+            reason = f"{robot} holds an emergency stop that was sent by broadcast"
+            stop = EmergencyStop(
+                engaged=True, epoch=epoch, stamp_ns=self._clock.now_ns(), by="broadcast", reason=reason
+            )
+            _logger.warning("%s", reason)
+        if self._feeds.stop(stop):
+            self._unwritten.set()
 
     async def run(self) -> None:
         """Writes what Redis could not take, until cancelled."""

@@ -28,6 +28,13 @@ class _Order(msgspec.Struct):
 _ORDERS = msgspec.json.Decoder(_Order)
 
 
+class _Holder(msgspec.Struct):
+    stop_epoch: int | None = None
+
+
+_HOLDERS = msgspec.json.Decoder(_Holder)
+
+
 class NewestMessages:
     """By channel name and instance. What does not decode changes nothing, but for a line in the log."""
 
@@ -94,3 +101,11 @@ def orders(messages: Mapping[str, bytes]) -> dict[str, bytes]:
         except (msgspec.MsgspecError, UnicodeDecodeError) as error:
             _logger.warning("ignored a message on %s of %s: %s", COMMANDS.name, robot, error)
     return found
+
+
+def held_stop(status: bytes) -> int | None:
+    """The epoch of the emergency stop that a robot's status says it holds; None for none, and for what does not decode."""
+    try:
+        return _HOLDERS.decode(status).stop_epoch
+    except msgspec.MsgspecError:
+        return None

@@ -87,6 +87,12 @@ class StatusView(View):
     stopped_by: Reason | None = Field(description="Why the robot itself holds still, if it does.")
     pose_age_s: float | None
     command_age_s: float | None
+    command_loss: float | None = Field(
+        description="Share of guidance's commands of the last seconds that did not reach the robot in time."
+    )
+    loss: float | None = Field(
+        description="Share of the robot's statuses of the last seconds that did not arrive here."
+    )
 
 
 class CommandView(View):
@@ -159,6 +165,7 @@ class FleetState:
     manual: Mapping[str, ManualDrive] = field(default_factory=dict[str, ManualDrive])
     assignments: Mapping[str, Assignment] = field(default_factory=dict[str, Assignment])
     settings: Mapping[str, RobotSettings] = field(default_factory=dict[str, RobotSettings])
+    losses: Mapping[str, float] = field(default_factory=dict[str, float])
     emergency_stop: EmergencyStop = field(default_factory=lambda: EmergencyStop(engaged=False))
 
 
@@ -166,7 +173,7 @@ def robot_view(vehicle: VehicleSpec, fleet: FleetState, now_ns: int) -> RobotVie
     """How the vehicle looks at `now_ns`."""
     robot = vehicle.id
     pose = _pose(fleet.poses.get(robot), now_ns)
-    status = _status(fleet.statuses.get(robot), now_ns)
+    status = _status(fleet.statuses.get(robot), fleet.losses.get(robot), now_ns)
     command = _command(fleet.commands.get(robot), now_ns)
     guidance = _guidance(fleet.guidance.get(robot), now_ns)
     manual = _manual(fleet.manual.get(robot), now_ns)
@@ -174,6 +181,8 @@ def robot_view(vehicle: VehicleSpec, fleet: FleetState, now_ns: int) -> RobotVie
     settings = fleet.settings.get(robot) or RobotSettings()
     connection, last_heard_ns = _connection(fleet, robot, now_ns)
     state, reason = _state(connection, fleet, pose, status, command, manual, assignment)
+    if reason is not None and reason.since_ns is None:
+        reason = reason.model_copy(update={"since_ns": _since_ns(reason.code, fleet, robot, last_heard_ns)})
     return RobotView(
         id=robot,
         kind=vehicle.kind,
@@ -207,6 +216,26 @@ def _connection(fleet: FleetState, robot: str, now_ns: int) -> tuple[Connection,
     return (Connection.ONLINE if online else Connection.CONNECTION_BROKEN), max(stamps)
 
 
+def _since_ns(code: ReasonCode, fleet: FleetState, robot: str, last_heard_ns: int | None) -> int | None:
+    """Since when a reason holds that the server itself has found."""
+    pose, status, command = fleet.poses.get(robot), fleet.statuses.get(robot), fleet.commands.get(robot)
+    assignment = fleet.assignments.get(robot)
+    said = status.stopped_by if status is not None else None
+    match code:
+        case ReasonCode.NOT_CONNECTED:
+            return last_heard_ns
+        case ReasonCode.EMERGENCY_STOP:
+            return fleet.emergency_stop.stamp_ns or None
+        case ReasonCode.POSE_STALE:
+            return None if pose is None else pose.stamp_ns
+        case ReasonCode.COMMAND_STALE:
+            return None if command is None else command.stamp_ns
+        case ReasonCode.PAUSED:
+            return None if assignment is None else assignment.changed_ns
+        case _:
+            return said.since_ns if said is not None and said.code is code else None
+
+
 def _state(
     connection: Connection,
     fleet: FleetState,
@@ -224,6 +253,8 @@ def _state(
     if fleet.emergency_stop.engaged:
         text = fleet.emergency_stop.reason or f"engaged by {fleet.emergency_stop.by or 'somebody'}"
         return RobotState.EMERGENCY_STOP, Reason(code=ReasonCode.EMERGENCY_STOP, text=text)
+    if status is not None and status.stopped_by is not None and status.stopped_by.code is ReasonCode.EMERGENCY_STOP:
+        return RobotState.EMERGENCY_STOP, status.stopped_by
     if status is not None and status.faults:
         return RobotState.FAULT, Reason(code=ReasonCode.DRIVER_FAULT, text="; ".join(status.faults))
     if manual is not None:
@@ -271,7 +302,7 @@ def _pose(pose: TrackedPose | None, now_ns: int) -> PoseView | None:
     )
 
 
-def _status(status: Status | None, now_ns: int) -> StatusView | None:
+def _status(status: Status | None, loss: float | None, now_ns: int) -> StatusView | None:
     if status is None:
         return None
     return StatusView(
@@ -289,6 +320,8 @@ def _status(status: Status | None, now_ns: int) -> StatusView | None:
         stopped_by=status.stopped_by,
         pose_age_s=status.pose_age_s,
         command_age_s=status.command_age_s,
+        command_loss=None if status.command_loss is None else round(status.command_loss, 2),
+        loss=loss,
     )
 
 

@@ -1,14 +1,15 @@
-"""A simulated base that speaks the DRIVE and ODOMETRY datagrams on the loopback (docs/architecture.md, "The simulated base")."""
+"""A simulated base that speaks DRIVE, ODOMETRY and SCAN on the loopback (docs/architecture.md, "The simulated base")."""
 
 import asyncio
 import secrets
+import struct
 
 from agents.motion import STOP, Twist
 from geometry import SE2
 from protocol.clock import SystemClock
 from protocol.datagram import Datagram, ReplayGuard, Sequencer, Verdict, pack, unpack
 from protocol.errors import DecodeError
-from protocol.messages import DriveSetpoint, Odometry
+from protocol.messages import DriveSetpoint, Odometry, Scan
 from tests.agents.plant import LIMITS, Plant
 
 PERIOD_S = 0.02
@@ -16,7 +17,8 @@ WATCHDOG_S = 0.3
 
 
 class FakeBase(asyncio.DatagramProtocol):
-    """`setpoints` are (monotonic s, twist) as they came in; `last_motion_s` is when it last really moved."""
+    """`setpoints` are (monotonic s, twist) as they came in; `last_motion_s` is when it last really moved; its scanner looks
+    straight ahead with five beams and sees nothing unless `ranges_mm` says so."""
 
     def __init__(self, vehicle: str, start: SE2, key: bytes | None = None) -> None:
         self.vehicle = vehicle
@@ -26,6 +28,8 @@ class FakeBase(asyncio.DatagramProtocol):
         self.setpoints: list[tuple[float, Twist]] = []
         self.last_motion_s = 0.0
         self.range_front_m: float | None = None
+        self.ranges_mm = [0] * 5
+        self.scans = True
         self.port = 0
         self.refused = 0
         self.clock = SystemClock()
@@ -90,6 +94,15 @@ class FakeBase(asyncio.DatagramProtocol):
         number = self._sequencer.next() if sequence is None else sequence
         self._transport.sendto(pack(Datagram("lab", number, odometry.stamp_ns, odometry), key or self.key), self._agent)
 
+    def say_scan(self) -> None:
+        """Sends one turn of the scanner now: beams 0.02 rad apart."""
+        assert self._transport is not None
+        if self._agent is None:
+            return
+        stamp_ns = self.clock.now_ns()
+        scan = Scan(self.vehicle, stamp_ns, -0.04, 0.02, struct.pack(">5H", *self.ranges_mm))
+        self._transport.sendto(pack(Datagram("lab", self._sequencer.next(), stamp_ns, scan), self.key), self._agent)
+
     async def _run(self) -> None:
         last_s = self.clock.monotonic_s()
         while True:
@@ -102,3 +115,5 @@ class FakeBase(asyncio.DatagramProtocol):
             if self.plant.twist != STOP:
                 self.last_motion_s = now_s
             self.say()
+            if self.scans:
+                self.say_scan()

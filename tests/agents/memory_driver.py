@@ -1,7 +1,10 @@
 """A driver in memory over a Plant, with knobs for what can break."""
 
+from collections.abc import Callable
+
 from agents.drivers import DriverNotConnectedError, OdometryReading, OdometryStaleError
 from agents.motion import STOP, Twist
+from agents.protection import RangeScan
 from protocol.clock import Clock
 from protocol.lab import Limits
 from tests.agents.plant import Plant
@@ -19,6 +22,7 @@ class MemoryDriver:
         self._limits = limits
         self._open = False
         self._newest: tuple[OdometryReading, float] | None = None
+        self.scanned: Callable[[RangeScan], None] | None = None
 
     @property
     def connected(self) -> bool:
@@ -47,6 +51,9 @@ class MemoryDriver:
         if self._newest is None or self._clock.monotonic_s() - self._newest[1] > max_age_s:
             raise OdometryStaleError("the base is silent")
         return self._newest[0]
+
+    def watch_scans(self, heard: Callable[[RangeScan], None]) -> None:
+        self.scanned = heard
 
     def battery(self) -> float | None:
         return 0.5 if self._newest else None

@@ -3,6 +3,7 @@
 import asyncio
 import contextlib
 import re
+import socket
 from collections.abc import AsyncIterator, Callable
 from pathlib import Path
 
@@ -11,9 +12,11 @@ import pytest
 from agents.__main__ import main
 from agents.agent import Agent, AgentConfig
 from agents.drivers import DriverSite, SimDriver, SimDriverConfig, make_driver
+from agents.link.stops import LOOPBACK_BROADCAST
 from agents.motion import STOP
 from agents.pacing import Pacer
 from geometry import SE2
+from launcher.stop_broadcast import StopBroadcast
 from protocol.clock import SimulatedClock, SystemClock
 from protocol.datagram import Verdict
 from protocol.lab import load_lab
@@ -25,7 +28,11 @@ from tests.agents.plant import distance, tracked
 from tests.agents.waiting import until
 
 ROBOT = "wifibot-14"
-LAB = load_lab("labs/gulliver.yaml")
+with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as _probe:
+    _probe.bind(("127.0.0.1", 0))
+    _FREE_PORT = int(_probe.getsockname()[1])
+_SHIPPED = load_lab("labs/gulliver.yaml")
+LAB = _SHIPPED.model_copy(update={"ports": _SHIPPED.ports.model_copy(update={"stop_udp": _FREE_PORT})})
 KEY = b"a shared key of the whole lab"
 
 
@@ -51,7 +58,8 @@ class World:
 
     async def start_agent(self, token: str = "secret") -> None:
         vehicle = LAB.vehicle(ROBOT)
-        driver = SimDriver(SimDriverConfig("127.0.0.1", self.base.port, ROBOT, vehicle.limits, KEY), self.clock)
+        config = SimDriverConfig("127.0.0.1", self.base.port, ROBOT, vehicle.limits, KEY, vehicle.scanner)
+        driver = SimDriver(config, self.clock)
         self.agent = Agent(AgentConfig(LAB, vehicle, self.server.url, token, KEY), driver, self.clock)
         self._agent_task = asyncio.create_task(self.agent.run())
         self._tasks.append(self._agent_task)
@@ -188,6 +196,54 @@ async def test_an_emergency_stop_stops_at_once_and_holds_until_released(world: W
     status = world.server.statuses[-1]
     assert status.stopped_by is not None and status.stopped_by.code is ReasonCode.EMERGENCY_STOP
     world.server.send(EmergencyStop(engaged=False, epoch=2))
+    await world.moving()
+
+
+async def test_what_is_in_the_protective_field_stops_it_whatever_the_server_says(world: World) -> None:
+    world.go()
+    await world.moving()
+    world.base.ranges_mm = [190] * 5
+    seen_s = world.clock.monotonic_s()
+    await world.still()
+    stopped_s = world.first_zero_after(seen_s)
+    assert stopped_s is not None and stopped_s - seen_s < 0.15  # of which 0.1 s is for a busy machine
+    await until(lambda: world.server.statuses[-1].stopped_by is not None, "the reason")
+    reason = world.server.statuses[-1].stopped_by
+    assert reason is not None and reason.code is ReasonCode.PROTECTIVE_FIELD
+    assert reason.since_ns is not None and 0 <= world.clock.now_ns() - reason.since_ns < 2_000_000_000
+    world.base.ranges_mm = [0] * 5
+    await world.moving()
+    assert world.clock.monotonic_s() - stopped_s > 0.9, "clear for a while first"
+
+
+async def test_a_silent_scanner_stops_it(world: World) -> None:
+    world.go()
+    await world.moving()
+    world.base.scans = False
+    await world.still()
+    await until(lambda: world.server.statuses[-1].faults, "the fault")
+    assert "safety scanner" in world.server.statuses[-1].faults[0]
+
+
+async def test_a_stop_by_broadcast_stops_it_with_a_dead_server_and_until_a_newer_release(world: World) -> None:
+    world.go()
+    await world.moving()
+    await world.server.stop()
+    clock = world.clock
+    stop = EmergencyStop(engaged=True, epoch=clock.now_ns() // 1_000_000, stamp_ns=clock.now_ns(), by="anna")
+    broadcast = StopBroadcast(KEY, clock, [ROBOT])
+    sent_s = clock.monotonic_s()
+    await broadcast.send(stop, [(LOOPBACK_BROADCAST, LAB.ports.stop_udp)], "127.0.0.1")
+    stopped_s = world.first_zero_after(sent_s)
+    assert stopped_s is not None and stopped_s - sent_s < 0.2, "not after half a second without commands"
+    assert broadcast.answers[ROBOT].stop_epoch == stop.epoch
+    await world.server.start()
+    await until(lambda: world.server.streams, "the stream")
+    assert world.server.latch.engaged is False
+    await asyncio.sleep(0.5)
+    assert world.speed == 0.0
+    await until(lambda: world.server.statuses[-1].stop_epoch == stop.epoch, "a status that tells the server")
+    world.server.send(EmergencyStop(engaged=False, epoch=stop.epoch + 1))
     await world.moving()
 
 

@@ -22,9 +22,10 @@ from agents.drivers import (
 )
 from agents.drivers.ros2.driver import Ros2Driver
 from agents.motion import STOP, Twist
+from agents.protection import RangeScan
 from geometry import SE2
 from protocol.clock import SystemClock
-from protocol.lab import load_lab
+from protocol.lab import ScannerSpec, load_lab
 from tests.agents.fake_base import FakeBase
 from tests.agents.memory_driver import MemoryDriver
 from tests.agents.plant import LIMITS, Plant
@@ -35,6 +36,8 @@ from tests.loopback_dds import domain_of_this_run, stay_on_loopback
 ROBOT = "wifibot-14"
 LAB = load_lab("labs/gulliver.yaml")
 KEY = b"k" * 32
+SCANNER = ScannerSpec(pose=(0.05, 0.0, math.pi / 2), range_m=4.0)
+"""Looks to the left, as the ROS 2 base's does."""
 
 
 class Bench(Protocol):
@@ -54,7 +57,14 @@ class SimBench:
 
     async def open(self) -> None:
         await self.base.start()
-        self.driver: Driver = SimDriver(SimDriverConfig("127.0.0.1", self.base.port, ROBOT, LIMITS, KEY), SystemClock())
+        config = SimDriverConfig("127.0.0.1", self.base.port, ROBOT, LIMITS, KEY, SCANNER)
+        self.driver: Driver = SimDriver(config, SystemClock())
+
+    def show(self, range_m: float) -> None:
+        self.base.ranges_mm = [round(range_m * 1e3)] * 5
+
+    def stop_scanning(self) -> None:
+        self.base.scans = False
 
     async def silence(self) -> None:
         await self.base.stop()
@@ -85,6 +95,13 @@ class RosBench:
         await self.base.start()
         self.ros = Ros2Driver(ROS_BASE, SystemClock())
         self.driver: Driver = self.ros
+
+    def show(self, range_m: float) -> None:
+        """In the middle of the turn, which goes once around."""
+        self.base.ranges[178:183] = [range_m] * 5
+
+    def stop_scanning(self) -> None:
+        self.base.scans = False
 
     async def silence(self) -> None:
         await self.base.stop()
@@ -209,6 +226,29 @@ async def test_can_be_opened_again(bench: Bench) -> None:
     await bench.driver.close()
     await bench.driver.connect()
     await until(lambda: has_odometry(bench.driver), "odometry")
+
+
+@pytest.mark.parametrize("make", [SimBench, RosBench], ids=["sim", "ros2"])
+async def test_scans_reach_whoever_watches_and_a_silent_scanner_is_a_fault(make: type[SimBench | RosBench]) -> None:
+    bench = make()
+    await bench.open()
+    scans: list[RangeScan] = []
+    bench.driver.watch_scans(scans.append)
+    bench.show(1.5)
+    await bench.driver.connect()
+
+    def scanned() -> bool:
+        return has_odometry(bench.driver) and any(len(scan.points) == 5 for scan in scans)
+
+    await until(scanned, "a scan of five echoes")
+    scan = next(scan for scan in scans if len(scan.points) == 5)
+    assert scan.points[2] == pytest.approx([0.05, 1.5], abs=0.02), "in the robot's frame"
+    assert (scan.beams[1:] - scan.beams[:-1]).tolist() == [1, 1, 1, 1]
+    await until(lambda: has_odometry(bench.driver) and bench.driver.faults() == (), "no fault")
+    bench.stop_scanning()
+    await until(lambda: has_odometry(bench.driver) and bench.driver.faults() != (), "a fault")
+    assert "scanner" in bench.driver.faults()[0] and "says nothing for 0." in bench.driver.faults()[0]
+    await bench.close()
 
 
 async def test_sim_drops_what_is_forged_old_repeated_or_not_its_own() -> None:

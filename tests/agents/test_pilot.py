@@ -274,7 +274,8 @@ def test_a_base_fault_stops_and_is_told() -> None:
     drive.pilot.odometry(drive.plant.reading(drive.now_ns), ("left motor hot",))
     decision = drive.pilot.decide(drive.now_ns, drive.now_s)
     assert decision.twist == STOP
-    assert decision.stopped_by == Reason(code=ReasonCode.DRIVER_FAULT, text="left motor hot")
+    since_ns = drive.now_ns
+    assert decision.stopped_by == Reason(code=ReasonCode.DRIVER_FAULT, text="left motor hot", since_ns=since_ns)
 
 
 @pytest.mark.parametrize(
@@ -329,3 +330,62 @@ def test_a_status_fits_its_datagram_whatever_the_texts() -> None:
     faults: Iterable[str] = ["z" * 5000] * 20
     status = drive.pilot.status(1, drive.now_ns, drive.now_s, ip="127.0.0.1", battery=0.5, faults=tuple(faults))
     assert len(encode(status)) <= MAX_PAYLOAD
+
+
+def test_an_empty_battery_ends_routes_but_a_hand_may_still_drive() -> None:
+    drive = Drive()
+    drive.run(2.0, to(drive, 6.0, 1.0))
+    assert drive.plant.twist.linear_mps > 0.2
+    drive.pilot.battery(VEHICLE.battery.empty)
+    drive.run(1.0, to(drive, 6.0, 1.0))
+    assert drive.plant.twist == STOP
+    assert drive.stopped_by is not None and drive.stopped_by.code is ReasonCode.BATTERY_EMPTY
+    assert "5%" in drive.stopped_by.text
+    drive.run(1.0, lambda now_ns: drive.orders.drive(now_ns, 0.2))
+    assert drive.plant.twist.linear_mps > 0.1
+    drive.pilot.battery(VEHICLE.battery.empty + 0.01)
+    drive.run(1.0, to(drive, 6.0, 1.0))
+    assert drive.plant.twist == STOP, "a share that trembles is no charge"
+    drive.pilot.battery(0.9)
+    drive.run(1.0, to(drive, 6.0, 1.0))
+    assert drive.plant.twist.linear_mps > 0.2
+
+
+def test_a_stop_keeps_the_time_at_which_it_began_whatever_its_text_says() -> None:
+    drive = Drive()
+    drive.run(2.0, to(drive, 6.0, 1.0))
+    assert drive.status().stopped_by is None
+    drive.run(1.0, None)
+    first = drive.status().stopped_by
+    drive.run(1.0, None)
+    later = drive.status().stopped_by
+    assert first is not None and later is not None and first.since_ns is not None
+    assert (first.code, first.since_ns) == (later.code, later.since_ns)
+    assert first.text != later.text
+    assert 0.5 <= (drive.now_ns - first.since_ns) / 1e9 <= 1.6
+    drive.run(0.5, to(drive, 6.0, 1.0))
+    assert drive.status().stopped_by is None
+    drive.run(1.0, None)
+    again = drive.status().stopped_by
+    assert again is not None and again.since_ns is not None and again.since_ns > first.since_ns
+
+
+def test_a_command_that_leads_out_of_the_areas_ends_at_their_border() -> None:
+    drive = Drive()
+    drive.run(12.0, to(drive, 1.0, -3.0, speed=0.5))
+    assert drive.plant.twist.linear_mps == 0.0
+    assert -0.50 < drive.plant.pose.y < -0.2
+    assert drive.stopped_by is not None and drive.stopped_by.code is ReasonCode.OUTSIDE_AREA
+
+
+def test_the_status_says_how_many_commands_are_lost() -> None:
+    drive = Drive()
+    drive.run(3.0, to(drive, 6.0, 1.0))
+    assert drive.status().command_loss == 0.0
+    for _ in range(15):
+        drive.orders.waiting(drive.now_ns)  # made and never sent
+        drive.run(0.2, None)
+        command = drive.orders.move_to(drive.now_ns, 6.0, 1.0)
+        drive.pilot.command(command, drive.now_ns, drive.now_s)
+    lost = drive.status().command_loss
+    assert lost is not None and 0.2 < lost < 0.6

@@ -10,7 +10,7 @@ from typing import Any
 import yaml
 
 from protocol.datagram import Datagram, Sequencer, pack, unpack
-from protocol.messages import DriveSetpoint, Odometry
+from protocol.messages import DriveSetpoint, Odometry, Scan
 from protocol.settings import Settings
 from tests.lab.rooms import GULLIVER
 
@@ -61,6 +61,7 @@ class RobotComputer:
         self.socket.connect(("127.0.0.1", port))
         self.socket.setblocking(False)
         self.odometry: list[Odometry] = []
+        self.scans: list[Scan] = []
         self._sequencer = Sequencer(time.time_ns())
 
     def drive(self, linear_mps: float, angular_radps: float = 0.0, vehicle: str | None = None) -> bytes:
@@ -85,6 +86,9 @@ class RobotComputer:
             except (BlockingIOError, ConnectionRefusedError):
                 return self.odometry
             message = unpack(data, self.key).message
+            if isinstance(message, Scan):
+                self.scans.append(message)
+                continue
             assert isinstance(message, Odometry)
             self.odometry.append(message)
 

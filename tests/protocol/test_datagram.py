@@ -21,7 +21,7 @@ from protocol.datagram import (
     unpack,
 )
 from protocol.errors import DecodeError
-from protocol.messages import DriveSetpoint, Odometry, Registration, Status, TrackedPose
+from protocol.messages import DriveSetpoint, EmergencyStop, Odometry, Registration, Scan, Status, TrackedPose
 
 finite = st.floats(-1e9, 1e9)
 u64 = st.integers(0, 2**64 - 1)
@@ -68,7 +68,18 @@ odometries = st.builds(
     battery=st.floats(0, 1),
     range_front_m=st.none() | finite,
 )
-datagrams = st.builds(Datagram, names, u64, u64, st.one_of(poses, statuses, drives, odometries))
+scans = st.builds(
+    Scan, vehicle=names, stamp_ns=stamps, angle_min=finite, angle_increment=finite, ranges_mm=st.binary(max_size=800)
+)
+stops = st.builds(
+    EmergencyStop,
+    engaged=st.booleans(),
+    epoch=st.integers(0, 2**53),
+    stamp_ns=stamps,
+    by=st.text(max_size=32),
+    reason=st.text(max_size=100),
+)
+datagrams = st.builds(Datagram, names, u64, u64, st.one_of(poses, statuses, drives, odometries, scans, stops))
 keys = st.none() | st.binary(min_size=1, max_size=64)
 
 DRIVE = Datagram(

@@ -18,7 +18,16 @@ from protocol.gulliview import GulliViewDetection, GulliViewPacket
 from protocol.gulliview import pack as pack_gulliview
 from protocol.gulliview import unpack as unpack_gulliview
 from protocol.lab import GulliViewLayout
-from protocol.messages import DriveSetpoint, Odometry, Reason, ReasonCode, Status, TrackedPose
+from protocol.messages import (
+    DriveSetpoint,
+    EmergencyStop,
+    Odometry,
+    Reason,
+    ReasonCode,
+    Scan,
+    Status,
+    TrackedPose,
+)
 from tests.mutations import mutated
 
 COUNT = 10_000
@@ -45,6 +54,8 @@ MESSAGES: dict[Kind, Any] = {
     ),
     Kind.DRIVE: DriveSetpoint("wifibot-14", 7, 0.3, -0.1),
     Kind.ODOMETRY: Odometry("wifibot-14", "a", NOW_NS, 1.0, 2.0, 0.5, 0.3, -0.1, 0.9, 0.7),
+    Kind.SCAN: Scan("wifibot-14", NOW_NS, -0.04, 0.02, bytes.fromhex("0000 03e8 03e9 0000 ffff")),
+    Kind.STOP: EmergencyStop(engaged=True, epoch=NOW_NS // 1_000_000, stamp_ns=NOW_NS, by="anna", reason="smoke"),
 }
 LAYOUTS: tuple[GulliViewLayout, ...] = ("gulliview-2021", "gulliview-2023", "gulliview-2025a", "gulliview-2025")
 

@@ -10,8 +10,9 @@ import redis
 
 from agents.safety import EmergencyStopLatch
 from protocol import keys
+from protocol.channels import EMERGENCY_STOP, LAB_INSTANCE, STATUSES
 from protocol.clock import SystemClock
-from protocol.messages import EmergencyStop
+from protocol.messages import EmergencyStop, Status
 from server.live.feeds import CommandFeeds
 from server.live.latch import EmergencyStopLatch as FleetLatch
 from server.repositories.documents import Store
@@ -279,3 +280,54 @@ async def _without_redis_errors(condition: Callable[[], Awaitable[bool]]) -> boo
         return await condition()
     except redis.RedisError:
         return False
+
+
+async def test_a_stop_that_robots_heard_by_broadcast_becomes_everybodys_and_can_be_released(redis_url: str) -> None:
+    """A sender whose clock is ahead gave it a greater epoch than this server's clock would."""
+    async with in_process(redis_url) as service:
+        operator, robot, clock = service.http("operator"), EmergencyStopLatch(), SystemClock()
+        context = service.context
+        await until(lambda: context.hub.feeds.emergency_stop is not None)
+        robot.update(EmergencyStop(engaged=False, epoch=context.hub.feeds.epoch))
+        epoch = clock.now_ns() // 1_000_000 + 20_000
+        robot.update(EmergencyStop(engaged=True, epoch=epoch))
+
+        async def report() -> None:
+            status = Status(
+                robot=ROBOT,
+                sequence=clock.now_ns() // 1000,
+                stamp_ns=clock.now_ns(),
+                linear_mps=0.0,
+                angular_radps=0.0,
+                stop_epoch=robot.epoch if robot.engaged else None,
+            )
+            await context.bus.publish(STATUSES, ROBOT, status)
+
+        async def engaged() -> bool:
+            await report()
+            return bool((await operator.get("/api/estop")).json()["engaged"])
+
+        await until(engaged)
+        known = (await operator.get("/api/estop")).json()
+        assert (known["by"], known["epoch"]) == ("broadcast", epoch)
+        assert ROBOT in known["reason"]
+        released = EmergencyStop.model_validate(
+            (await operator.request("DELETE", "/api/estop", json={"confirm": True})).json()
+        )
+        assert released.epoch > epoch
+        await report()  # sent before the robot heard of the release
+        await asyncio.sleep(0)
+        assert robot.update(released), "the robot takes it"
+        await report()
+        assert (await operator.get("/api/estop")).json()["engaged"] is False
+        last = await context.bus.latest(EMERGENCY_STOP, LAB_INSTANCE)
+        assert last is not None and not last.engaged
+
+
+async def test_nonsense_of_a_robot_is_no_epoch(redis_url: str) -> None:
+    async with in_process(redis_url) as service:
+        context = service.context
+        await until(lambda: context.hub.feeds.emergency_stop is not None)
+        context.hub.latch.held(ROBOT, 8 * 10**18)
+        assert context.hub.feeds.epoch < 8 * 10**18
+        assert (await service.http("operator").get("/api/estop")).json()["engaged"] is False

@@ -8,7 +8,7 @@ import pytest
 from msgspec.structs import replace
 
 from protocol.channels import CHANNELS, COMMANDS, POSES, Channel, Delivery, Instances
-from protocol.messages import CameraState, ProcessState
+from protocol.messages import CameraState, ProcessState, Reason, ReasonCode, Status
 from server.health import HealthInputs, condition, health_view
 from server.views.health import Condition, HealthView, RedisView, UdpView
 from tests.server.samples import START_NS, camera_state
@@ -61,6 +61,7 @@ def judge(
         redis=redis or RedisView(reachable=True, since_ns=None),
         udp=changes.pop("udp", UDP),
         zone=UTC,
+        **changes,
     )
     return health_view(LAB, inputs, NOW_NS)
 
@@ -236,3 +237,28 @@ def test_ground_truth_is_expected_of_simulations_only() -> None:
     inputs = HealthInputs(START_NS, all_fresh(), {}, {}, RedisView(reachable=True, since_ns=None), UDP, UTC)
     rows = health_view(real, inputs, NOW_NS).channels
     assert "ground_truth" not in {row.channel for row in rows}
+
+
+def test_a_robot_s_battery_faults_and_losses_are_told() -> None:
+    robot = "wifibot-14"
+    heard = Status(robot=robot, sequence=1, stamp_ns=NOW_NS, linear_mps=0.0, angular_radps=0.0, battery=0.15)
+    view = judge(all_fresh(), statuses={robot: heard}, losses={robot: 0.31})
+    assert texts(view) == [
+        "wifibot-14 has 15% of its battery left",
+        "31% of the statuses of wifibot-14 are lost on their way here",
+    ]
+    assert view.state == "warning"
+    stop = Reason(code=ReasonCode.DRIVER_FAULT, text="motor hot", since_ns=NOW_NS - 2_000_000_000)
+    worse = heard.model_copy(
+        update={"battery": 0.04, "faults": ("motor hot",), "stopped_by": stop, "command_loss": 0.5}
+    )
+    view = judge(all_fresh(), statuses={robot: worse})
+    assert texts(view)[0].startswith("wifibot-14: motor hot since ")
+    assert texts(view)[1:] == [
+        "wifibot-14 has 4% of its battery left: it drives no route any more",
+        "50% of the commands for wifibot-14 do not reach it in time",
+    ]
+    assert [problem.severity for problem in view.problems] == ["error", "error", "warning"]
+    assert view.problems[0].since_ns == stop.since_ns
+    well = heard.model_copy(update={"battery": 0.9, "command_loss": 0.05})
+    assert texts(judge(all_fresh(), statuses={robot: well}, losses={robot: 0.02})) == []

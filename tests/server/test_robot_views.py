@@ -205,3 +205,40 @@ def test_the_outline_turns_with_the_camera() -> None:
     outline = np.array(floor_outline(FULL_HD, rotvec, (0.0, 0.0, 3.0)))  # type: ignore[arg-type]
     span = outline.max(axis=0) - outline.min(axis=0)
     assert span[1] > span[0]
+
+
+@pytest.mark.parametrize(
+    ("changes", "since_ns"),
+    [
+        ({"emergency_stop": EmergencyStop(engaged=True, stamp_ns=5)}, 5),
+        ({"assignments": PAUSED}, 1),
+        ({"poses": {ROBOT: pose(ROBOT, START_NS - 10**9)}}, START_NS - 10**9),
+        ({"commands": {ROBOT: command(ROBOT, START_NS - 10**9)}}, START_NS - 10**9),
+        ({"statuses": {ROBOT: status(ROBOT, START_NS - 5 * 10**9)}}, START_NS - 5 * 10**9),
+        (
+            {
+                "statuses": {
+                    ROBOT: status(
+                        ROBOT, START_NS, stopped_by=Reason(code=ReasonCode.PROTECTIVE_FIELD, text="near", since_ns=7)
+                    )
+                }
+            },
+            7,
+        ),
+    ],
+)
+def test_every_stop_has_its_time(changes: dict[str, Any], since_ns: int) -> None:
+    reason = look(**changes).reason
+    assert reason is not None and reason.since_ns == since_ns
+
+
+def test_the_quality_of_the_link_is_shown() -> None:
+    heard = status(ROBOT, START_NS, command_loss=0.123)
+    view = look(statuses={ROBOT: heard}, losses={ROBOT: 0.25})
+    assert view.status is not None
+    assert (view.status.command_loss, view.status.loss) == (0.12, 0.25)
+
+
+def test_a_stop_by_broadcast_that_the_server_has_not_heard_of_is_one() -> None:
+    stop = Reason(code=ReasonCode.EMERGENCY_STOP, text="by anna", since_ns=3)
+    assert look(statuses={ROBOT: status(ROBOT, START_NS, stopped_by=stop)}).state is RobotState.EMERGENCY_STOP

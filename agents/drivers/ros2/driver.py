@@ -8,6 +8,7 @@ by its time stamps.
 import asyncio
 import logging
 import math
+from collections.abc import Callable
 from typing import Any, TypeVar
 
 from cyclonedds.core import DDSException
@@ -20,8 +21,9 @@ from cyclonedds.util import duration
 
 from agents.drivers.driver import DriverNotConnectedError, OdometryReading, OdometryStaleError
 from agents.drivers.ros2.config import Ros2DriverConfig
-from agents.drivers.ros2.scan import front_range_m, is_sound
+from agents.drivers.ros2.scan import front_range_m, is_sound, range_scan
 from agents.motion import STOP, Twist
+from agents.protection import RangeScan
 from geometry import SE2
 from protocol.clock import Clock
 from protocol.ros2 import interfaces as ros
@@ -53,6 +55,7 @@ class Ros2Driver:
         self._scans: DataReader[ros.LaserScan] | None = None
         self._newest: tuple[OdometryReading, float] | None = None
         self._scanned: tuple[float | None, float] | None = None
+        self._heard: Callable[[RangeScan], None] | None = None
         self._resets = 0
         self._writer_handle = 0
         self._connected_s = 0.0
@@ -117,6 +120,9 @@ class Ros2Driver:
         ahead_m = None if self._scanned is None else self._scanned[0]
         return OdometryReading(reading.stamp_ns, reading.session, reading.pose, reading.twist, ahead_m)
 
+    def watch_scans(self, heard: Callable[[RangeScan], None]) -> None:
+        self._heard = heard
+
     def battery(self) -> float | None:
         """None: neither odometry nor scans tell it."""
         return None
@@ -145,10 +151,13 @@ class Ros2Driver:
             if reading is not None:
                 self._newest = reading, now_s
         for scan in self._taken(self._scans):
-            if is_sound(scan):
-                self._scanned = front_range_m(scan, self._config), now_s
-            else:
+            if not is_sound(scan):
                 self._reject("a scan whose numbers are none")
+                continue
+            seen = range_scan(scan, self._config)
+            self._scanned = front_range_m(seen, self._config), now_s
+            if self._heard is not None:
+                self._heard(seen)
 
     def _taken(self, reader: DataReader[S] | None) -> list[S]:
         """What came in since the last time, one by one: a broken sample must not take others along."""

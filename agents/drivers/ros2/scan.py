@@ -1,10 +1,11 @@
-"""What a laser scan says of the way ahead: pure geometry."""
+"""What a base's laser scan says: its echoes in the robot's frame, and the way ahead. Pure geometry."""
 
 from collections.abc import Sequence
 
 import numpy as np
 
 from agents.drivers.ros2.config import Ros2DriverConfig
+from agents.protection import RangeScan
 from protocol.ros2.interfaces import LaserScan
 
 _BEHIND_FRONT_M = 0.05
@@ -12,16 +13,22 @@ _BEHIND_FRONT_M = 0.05
 footprint is the robot itself."""
 
 
-def front_range_m(scan: LaserScan, config: Ros2DriverConfig) -> float | None:
-    """The distance from the robot's front to the nearest thing in its lane, 0 where it touches; None when there is nothing.
-    Ranges that are no numbers, or outside of what the scanner can measure, say nothing."""
-    ranges = np.asarray(scan.ranges, float)
-    angles = scan.angle_min + scan.angle_increment * np.arange(len(ranges)) + config.T_robot_scanner.yaw
-    with np.errstate(invalid="ignore"):
-        measured = np.isfinite(ranges) & (ranges >= scan.range_min) & (ranges <= scan.range_max) & np.isfinite(angles)
-    r, a = ranges[measured], angles[measured]
-    x = config.T_robot_scanner.x + r * np.cos(a)
-    y = config.T_robot_scanner.y + r * np.sin(a)
+def range_scan(scan: LaserScan, config: Ros2DriverConfig) -> RangeScan:
+    """The echoes in the robot's frame. Ranges that are no numbers, or outside of what the scanner can measure, say nothing."""
+    return RangeScan.polar(
+        scan.header.stamp.stamp_ns,
+        np.asarray(scan.ranges, float),
+        angle_min=scan.angle_min,
+        angle_increment=scan.angle_increment,
+        range_min_m=scan.range_min,
+        range_max_m=scan.range_max,
+        T_robot_scanner=config.T_robot_scanner,
+    )
+
+
+def front_range_m(scan: RangeScan, config: Ros2DriverConfig) -> float | None:
+    """The distance from the robot's front to the nearest thing in its lane, 0 where it touches; None when there is nothing."""
+    x, y = scan.points[:, 0], scan.points[:, 1]
     ahead = (x >= config.front_m - _BEHIND_FRONT_M) & (np.abs(y) <= config.half_width_m)
     return max(0.0, float(np.min(x[ahead])) - config.front_m) if np.any(ahead) else None
 

@@ -1,11 +1,22 @@
 /** Numbers of a robot: the cameras' pose beside its own, and how it is connected. */
 import { Table } from "@mantine/core";
 import type { RobotView } from "../api/types";
-import { degrees, formatStamp } from "../ui/format";
+import { degrees, formatStamp, withSince } from "../ui/format";
 
 function place(at: { x: number | null; y: number | null; yaw: number | null } | null): string {
   if (typeof at?.x !== "number" || at.y === null || at.yaw === null) return "unknown";
   return `${at.x.toFixed(3)}, ${at.y.toFixed(3)} m, ${degrees(at.yaw).toFixed(1)}°`;
+}
+
+type Reason = NonNullable<RobotView["reason"]>;
+
+function said(reason: Reason | null | undefined): string {
+  if (!reason) return "no";
+  return withSince({ text: reason.text || reason.code, since_ns: reason.since_ns ?? null });
+}
+
+function lost(share: number | null | undefined): string {
+  return typeof share === "number" ? `${Math.round(share * 100)} %` : "unknown";
 }
 
 export function RobotFacts({ robot }: { readonly robot: RobotView }) {
@@ -16,7 +27,9 @@ export function RobotFacts({ robot }: { readonly robot: RobotView }) {
     ["Position spread", pose ? `${(pose.position_std_m * 1000).toFixed(1)} mm` : "unknown"],
     ["Believes itself", place(status)],
     ["Command", command ? `${command.movement} at ${command.speed_mps.toFixed(2)} m/s` : "none fresh"],
-    ["Held by itself", status?.stopped_by ? status.stopped_by.text || status.stopped_by.code : "no"],
+    ["Stands", said(robot.reason)],
+    ["Held by itself", said(status?.stopped_by)],
+    ["Lost on the way", `${lost(status?.loss)} of statuses, ${lost(status?.command_loss)} of commands`],
     ["Connection", robot.connection.toLowerCase().replace("_", " ")],
     ["Last heard", robot.last_heard_ns === null ? "never" : formatStamp(robot.last_heard_ns)],
     ["Address", status?.ip ?? "unknown"],

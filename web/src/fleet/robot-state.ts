@@ -32,6 +32,8 @@ const SENTENCES: Readonly<Record<ReasonCode, string>> = {
   waypoint_missing: "its route cannot be driven",
   not_connected: "its agent is not connected",
   driver_fault: "its driver reports a fault",
+  protective_field: "its scanner sees something in its protective field",
+  battery_empty: "its battery is empty",
 };
 
 export interface RobotSummary {
