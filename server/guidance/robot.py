@@ -4,16 +4,12 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-import shapely
-
 from geometry import SE2
 from mapping.grid import CELL_M
-from protocol.channels import OBSTACLES
-from protocol.lab import ObstacleBox, VehicleSpec
+from protocol.lab import VehicleSpec
 from protocol.messages import (
     Assignment,
     AssignmentState,
-    Blockage,
     ManualDrive,
     Movement,
     Reason,
@@ -23,41 +19,20 @@ from protocol.messages import (
 )
 from server.effective_box import effective_box, effective_detours
 from server.guidance import decision as decide
-from server.guidance.blockage import RobotShapes, nearest_blockage, observed_share
-from server.guidance.box import Body, Box, BoxRequest, PlannedPath, footprint_at, outline, reach_m
+from server.guidance.box import Body, BoxRequest, PlannedPath, outline
 from server.guidance.decision import Decision, Ground
-from server.guidance.floor_sums import Bounds
-from server.guidance.following import Detour, Goal, Progress, RouteFollower, RoutePlan, Sight, resolve
+from server.guidance.following import Detour, Goal, RouteFollower, Sight
+from server.guidance.lookout import Lookout, Seen
 from server.guidance.parameters import GuidanceParameters
 from server.guidance.path import Point
+from server.guidance.route_plan import Progress, RoutePlan, resolve
 from server.guidance.snapshot import Snapshot, extrapolated
 from server.guidance.staying import reason_to_stay
 from server.guidance.stepping_aside import Aside
+from server.guidance.stuck import Stuck
 from server.guidance.turning import swept_by_turning, turn_ahead
 from server.guidance.view import Surroundings, View
 from server.guidance.way_out import Blocked
-
-
-@dataclass(frozen=True, slots=True)
-class Stuck:
-    """Since when (monotonic seconds) a robot waits for something in its way, what that is, and what came of the search for a way
-    around it: why there is none, and when to search again."""
-
-    since_s: float | None = None
-    blockage: Blockage | None = None
-    in_vain: str = ""
-    again_s: float = 0.0
-
-    def after(self, reason: Reason | None, blockage: Blockage | None, now_s: float) -> "Stuck":
-        """After a cycle with, or without, a reason to wait."""
-        if reason is None or reason.code is ReasonCode.OUTSIDE_AREA:
-            return Stuck()
-        since_s = now_s if self.since_s is None else self.since_s
-        return replace(self, since_s=since_s, blockage=blockage)
-
-    def for_s(self, now_s: float) -> float:
-        """How long it has lasted; 0 when it does not."""
-        return 0.0 if self.since_s is None else now_s - self.since_s
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,12 +65,14 @@ class RobotGuidance:
         self._parameters = parameters
         self._radius_m = max(math.hypot(x, y) for x, y in spec.footprint)
         self._assigned: tuple[str, int, int] | None = None
+        self._lookout = Lookout(spec, ground, parameters)
         self._follower = RouteFollower(parameters)
         self._blocked_at_s: float | None = None
         self._blocked_by = Reason(code=ReasonCode.OBSTACLE)
         self._hand: ManualDrive | None = None
         self._aside: Aside | None = None
         self._aside_over = False
+        self._back_again_s = 0.0
         self._planned: _Planned | None = None
         self.stuck = Stuck()
 
@@ -135,21 +112,24 @@ class RobotGuidance:
 
     def step_aside(self, aside: Aside) -> None:
         """Drives out of the way from now on."""
-        self._aside, self._aside_over = aside, False
+        self._aside, self._aside_over, self._back_again_s = aside, False, 0.0
         self._blocked_at_s, self.stuck = None, Stuck()
 
-    def come_back(self, detours: Mapping[int, Detour] | None) -> None:
-        """Returns to the route after having been aside; straight to the leg's end where no way back was found (None)."""
+    def come_back(self, detours: Mapping[int, Detour] | None, now_s: float) -> None:
+        """Returns to the route after having been aside; where no way back was found (None) it waits for one."""
         if detours is None:
-            self._follower = RouteFollower(self._parameters)
-            self._aside, self.stuck = None, Stuck()
+            self._back_again_s = now_s + self._parameters.retry_s
         else:
             self.divert(detours)
 
-    @property
-    def wants_back(self) -> bool:
-        """Whether the robot is aside and nobody has to be let pass any more."""
-        return self._aside is not None and self._aside_over
+    def stay_no_more_aside(self) -> None:
+        """Gives up going aside, and goes straight to the end of its leg."""
+        self._follower = RouteFollower(self._parameters)
+        self._aside, self.stuck = None, Stuck()
+
+    def wants_back(self, now_s: float) -> bool:
+        """Whether the robot is aside, nobody has to be let pass any more, and it is time to look for the way back."""
+        return self._aside is not None and self._aside_over and now_s >= self._back_again_s
 
     @property
     def is_aside(self) -> bool:
@@ -161,7 +141,7 @@ class RobotGuidance:
         if self._aside is not None:
             self._aside_over = self._aside.over(paths, now_s)
 
-    def blocked(self, snapshot: Snapshot, place: Point | None, around: str) -> Blocked | None:
+    def blocked(self, snapshot: Snapshot, place: Point | None, why: str) -> Blocked | None:
         """What a search for a way out must know of the robot; None when it has no route to come back to, or is not seen."""
         assignment, pose = snapshot.assignments.get(self.spec.id), snapshot.fresh_pose(self.spec.id)
         plan = self._plan(snapshot, assignment) if assignment is not None else ""
@@ -177,7 +157,7 @@ class RobotGuidance:
             leg=assignment.leg,
             follower=self._follower,
             place=place,
-            around=around,
+            why=why,
             room_m=max(body.half_width_m + detours.clearance_m, size.width_m / 2 + CELL_M),
             unknown=size.unknown,
         )
@@ -310,7 +290,7 @@ class RobotGuidance:
         detour = self._follower.detour
         reason = Reason(code=ReasonCode.ROUTE, text=f"to {stop.waypoint.id}")
         if detour is not None:
-            text = f"around {detour.around}, on the way to {stop.waypoint.id}"
+            text = f"{detour.why}, on the way to {stop.waypoint.id}"
             reason = Reason(code=ReasonCode.DETOUR, text=text)
         line = () if goal.turn_to is not None else self._follower.path_ahead(plan, progress.leg, here)
         view = self._drive(snapshot, around, pose, here, _Way(goal, path, line, speed, reason))
@@ -329,7 +309,8 @@ class RobotGuidance:
         """A robot that lets others pass: on its way aside, or there."""
         assert self._aside is not None
         aside, names = self._aside, ", ".join(sorted(self._aside.others))
-        reason = Reason(code=ReasonCode.YIELDING, text=f"lets {names} pass")
+        why = "has no way back to its route yet" if self._aside_over else f"lets {names} pass"
+        reason = Reason(code=ReasonCode.YIELDING, text=why)
         if aside.there(here, snapshot.at_rest(self.spec.id)):
             return self._standing(Decision(Movement.WAITING, reason), snapshot, assignment, plan, pose)
         speed = plan.stops[assignment.leg].speed_mps * assignment.speed_scale
@@ -341,15 +322,13 @@ class RobotGuidance:
 
     def _drive(self, snapshot: Snapshot, around: Surroundings, pose: TrackedPose, here: SE2, way: "_Way") -> View:
         """A robot that goes its way, as far as what is in its obstacle box, or around it where it turns, lets it."""
-        goal, path = way.goal, way.path
+        goal = way.goal
         turn_rad = turn_ahead(here, goal)
         sweep = swept_by_turning(here, turn_rad, self.spec) if turn_rad else None
-        blockage: Blockage | None = None
-        reason: Reason | None = None
         if goal.turn_to is not None:
             # The robot stays where it is: the obstacle box counts again when it leaves.
             go = Decision(Movement.ROTATE, way.reason, target=goal.target, final=True)
-            shown, carrot = outline(sweep.area) if sweep is not None else (), None
+            seen, carrot = Seen(outline(sweep.area) if sweep is not None else ()), None
         else:
             go = Decision(
                 Movement.MOVE_TO,
@@ -360,17 +339,12 @@ class RobotGuidance:
                 path=way.line,
             )
             size = effective_box(self.spec.obstacle_box, snapshot.settings.get(self.spec.id))
-            carrot = (goal.target.x, goal.target.y)
-            reason = self._leaves_ground(size, path, way.speed_mps)
-            box = self._box(size, path, here, pose, way.speed_mps)
-            if reason is None and not self._nothing_near(around, box.bounds()):
-                exact = box.box()
-                blockage, reason = self._look(around, exact, here, size)
-                shown = outline(exact.area)
-            else:
-                shown = box.outline()
-        if reason is None and sweep is not None:
-            blockage, reason = self._look(around, sweep, here, None)
+            forward_mps = pose.vx * math.cos(here.yaw) + pose.vy * math.sin(here.yaw)
+            box = BoxRequest(here, way.path, size, self.spec, way.speed_mps, forward_mps, self._parameters)
+            seen, carrot = self._lookout.ahead(around, box), (goal.target.x, goal.target.y)
+        if seen.reason is None and sweep is not None:
+            seen = replace(self._lookout.turning(around, sweep, here), outline=seen.outline)
+        reason, blockage = seen.reason, seen.blockage
         self.stuck = self.stuck.after(reason, blockage, snapshot.now_s)
         reason = self._debounced(reason, snapshot.now_s)
         if reason is not None and self.stuck.in_vain:
@@ -379,9 +353,9 @@ class RobotGuidance:
             go if reason is None else Decision(Movement.WAITING, reason),
             blocked=reason is not None,
             blockage=blockage,
-            box=shown,
+            box=seen.outline,
             carrot=(round(carrot[0], 3), round(carrot[1], 3)) if carrot is not None else None,
-            path=_rounded(path.points),
+            path=_rounded(way.path.points),
         )
 
     def _limited(self, speed_mps: float, path: PlannedPath, around: Surroundings) -> float:
@@ -393,59 +367,6 @@ class RobotGuidance:
         """The limit of the zone that the robot is in."""
         limit = around.limits.at((pose.x, pose.y), self._radius_m) if pose is not None else None
         return math.inf if limit is None else limit.speed_mps
-
-    def _leaves_ground(self, size: ObstacleBox, path: PlannedPath, commanded_mps: float) -> Reason | None:
-        """The reason to wait when the path leaves every area within the reach of the obstacle box."""
-        place = self._ground.leaving(path.points, reach_m(size, self.spec, commanded_mps, self._parameters))
-        if place is None:
-            return None
-        text = f"the way ahead leaves every area at ({place[0]:.2f}, {place[1]:.2f})"
-        return Reason(code=ReasonCode.OUTSIDE_AREA, text=text)
-
-    def _box(
-        self, size: ObstacleBox, path: PlannedPath, here: SE2, pose: TrackedPose, commanded_mps: float
-    ) -> BoxRequest:
-        forward_mps = pose.vx * math.cos(here.yaw) + pose.vy * math.sin(here.yaw)
-        return BoxRequest(here, path, size, self.spec, commanded_mps, forward_mps, self._parameters)
-
-    def _nothing_near(self, around: Surroundings, bounds: Bounds) -> bool:
-        """Whether there is nothing to be looked at exactly: no other robot, every cell seen and free. What the robot itself
-        covers is looked at."""
-        if around.grid is None or around.sums is None:
-            return False
-        return around.sums.all_clear(bounds) and around.robots.nobody_near(bounds, self.spec.id)
-
-    def _look(
-        self, around: Surroundings, box: Box, here: SE2, size: ObstacleBox | None
-    ) -> tuple[Blockage | None, Reason | None]:
-        """What is in the box of that size, or (None) on the floor that a turn sweeps, and the reason to wait for it."""
-        turning = size is None
-        if around.grid is None:
-            text = f"the obstacle map is missing or older than {OBSTACLES.stale_after_s:g} s"
-            return None, Reason(code=ReasonCode.OBSTACLES_UNKNOWN, text=text)
-        footprint = footprint_at(here, self.spec)
-        own = footprint.buffer(self._parameters.own_margin_m)
-        front = Body.of(self.spec).front_m
-        robots = around.robots if size is None or size.robots else RobotShapes({})
-        blockage = nearest_blockage(self.spec.id, box, own, front, around.grid, robots)
-        if blockage is not None:
-            if turning:  # there is no way ahead along which to measure
-                away_m = round(footprint.distance(shapely.Point(blockage.x, blockage.y)), 3)
-                blockage = blockage.model_copy(update={"distance_m": away_m})
-            beside = "beside it, in the way of its turning," if turning else "ahead"
-            where = f"{blockage.distance_m:.2f} m {beside} at ({blockage.x:.2f}, {blockage.y:.2f})"
-            if blockage.robot is None:
-                return blockage, Reason(code=ReasonCode.OBSTACLE, text=where)
-            return blockage, Reason(code=ReasonCode.ROBOT_AHEAD, text=f"{blockage.robot} {where}")
-        if size is not None and not size.unknown:
-            return None, None
-        unseen = 1.0 - observed_share(box.area.intersection(self._ground.area).difference(own), around.grid)
-        if unseen > self._parameters.unseen_share:
-            return None, Reason(
-                code=ReasonCode.OBSTACLES_UNKNOWN,
-                text=f"no camera sees {unseen:.0%} of the {'floor around' if turning else 'way ahead'}",
-            )
-        return None, None
 
     def _debounced(self, reason: Reason | None, now_s: float) -> Reason | None:
         """Blocked at once; clear only after a while of being clear."""

@@ -5,14 +5,15 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
+import numpy as np
 import shapely
 from shapely.geometry import LineString, Polygon
 from shapely.geometry.base import BaseGeometry
-from shapely.ops import substring
 
 from protocol.messages import SpeedZone
+from server.guidance.line import Line
 from server.guidance.parameters import GuidanceParameters
-from server.guidance.path import Point, without_repeats
+from server.guidance.path import Point
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,6 +34,8 @@ class SpeedLimits:
 
     def at(self, here: Point, radius_m: float) -> SpeedLimit | None:
         """The lowest limit where a robot of that radius is, None where there is none."""
+        if not self._zones:
+            return None
         point = shapely.Point(here)
         zones = zip(self._zones, self._of(radius_m), strict=True)
         inside = [SpeedLimit(zone.speed_mps, zone.id) for zone, area in zones if area.covers(point)]
@@ -41,17 +44,18 @@ class SpeedLimits:
     def along(self, path: Sequence[Point], radius_m: float, speed_mps: float) -> SpeedLimit | None:
         """The limit for a robot at the beginning of `path` that wants `speed_mps`: v of the zone inside it, and before it the
         speed from which braking gently still leaves v at its border, sqrt(v^2 + 2 a d). None when it may have its wish."""
-        points = without_repeats(path)
-        found: SpeedLimit | None = self.at(points[0], radius_m) if points else None
+        if not self._zones or not path:
+            return None
+        p, way = self._parameters, Line(path)
+        found = self.at(path[0], radius_m)
+        points = way.part(0.0, speed_mps * p.zone_lead_s + speed_mps**2 / (2 * p.zone_mps2))
         if len(points) > 1:
-            p = self._parameters
-            braking_m = speed_mps * p.zone_lead_s + speed_mps**2 / (2 * p.zone_mps2)
-            line = substring(LineString(points), 0.0, braking_m)
+            line = LineString(points)
             for zone, area in zip(self._zones, self._of(radius_m), strict=True):
                 if zone.speed_mps >= speed_mps or not area.intersects(line):
                     continue
                 inside = shapely.get_coordinates(line.intersection(area))
-                first_m = float(min(shapely.line_locate_point(line, shapely.points(inside))))
+                first_m = float(np.min(shapely.line_locate_point(line, shapely.points(inside))))
                 left_m = max(0.0, first_m - speed_mps * p.zone_lead_s)
                 here_mps = math.sqrt(zone.speed_mps**2 + 2 * p.zone_mps2 * left_m)
                 if found is None or here_mps < found.speed_mps:

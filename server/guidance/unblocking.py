@@ -15,6 +15,7 @@ from dataclasses import replace
 from shapely.geometry import MultiLineString
 from shapely.geometry.base import BaseGeometry
 
+from protocol.lab import VehicleSpec
 from protocol.messages import Event, EventLevel, RobotSettings
 from server.effective_box import effective_box, effective_detours
 from server.guidance.box import Body
@@ -72,10 +73,11 @@ class Unblocking:
         floor = Floor(around.grid, self._ground.area, around.robots)
         searches = self._parameters.searches_per_cycle
         for robot in aside:
-            if searches and robot.wants_back:
+            if searches and robot.wants_back(snapshot.now_s):
                 searches -= 1
-                blocked = robot.blocked(snapshot, None, "others")
-                robot.come_back(way_around(blocked, floor, self._parameters) if blocked is not None else None)
+                blocked = robot.blocked(snapshot, None, "back to its route")
+                ways = way_around(blocked, floor, self._parameters) if blocked is not None else None
+                robot.come_back(ways, snapshot.now_s)
         for ring in lasting:
             if searches and self._again_s.get(frozenset(ring), -math.inf) <= snapshot.now_s:
                 searches -= 1
@@ -116,7 +118,7 @@ class Unblocking:
         robot, view = self._robots[name], views[name]
         place = (view.blockage.x, view.blockage.y) if view.blockage is not None else None
         others = ring - {name}
-        blocked = robot.blocked(snapshot, place, ", ".join(sorted(others)))
+        blocked = robot.blocked(snapshot, place, f"around {', '.join(sorted(others))}")
         if blocked is None:
             return ""
         lately = snapshot.now_s - self._went_around_s.get(ring, -math.inf) < _AGAIN_S
@@ -131,10 +133,10 @@ class Unblocking:
         line = way_aside(blocked, floor, lanes, self._parameters)
         if line is None:
             return ""
-        half_m = max(Body.of(self._robots[other].spec).half_width_m for other in others)
+        reach_m = max(_radius_m(self._robots[other].spec) for other in (*others, name))
         ahead: list[Point] = [blocked.here, *Line(view.path or [blocked.here]).part(0.0, _CLAIM_M)]
         back = MultiLineString([ahead, line.points])
-        claimed = back.buffer(half_m + Body.of(robot.spec).half_width_m)
+        claimed = back.buffer(2 * reach_m + self._parameters.clearance_m)
         robot.step_aside(Aside(LineDriver(line, self._parameters), others, snapshot.now_s, claimed))
         return f"makes way at ({line.end[0]:.2f}, {line.end[1]:.2f})"
 
@@ -177,18 +179,16 @@ class Unblocking:
     def _go_around(self, name: str, view: View, snapshot: Snapshot, floor: Floor) -> None:
         robot = self._robots[name]
         if robot.is_aside:
-            robot.come_back(None)
+            robot.stay_no_more_aside()
             return
         blockage = robot.stuck.blockage
         if blockage is not None:
-            place, around = (
-                (blockage.x, blockage.y),
-                blockage.robot or f"what is at ({blockage.x:.2f}, {blockage.y:.2f})",
-            )
+            place = (blockage.x, blockage.y)
+            what = blockage.robot or f"what is at ({blockage.x:.2f}, {blockage.y:.2f})"
         else:
             place = Line(view.path).at(_UNKNOWN_AHEAD_M) if view.path else None
-            around = "floor that no camera sees"
-        blocked = robot.blocked(snapshot, place, around) if place is not None else None
+            what = "floor that no camera sees"
+        blocked = robot.blocked(snapshot, place, f"around {what}") if place is not None else None
         detours = way_around(blocked, floor, self._parameters) if blocked is not None else None
         if detours is not None:
             robot.divert(detours)
@@ -205,6 +205,10 @@ class Unblocking:
         self._in_vain = {key: tried for key, tried in self._in_vain.items() if key in rings}
         self._again_s = {key: again_s for key, again_s in self._again_s.items() if key in rings}
         self._went_around_s = {k: s for k, s in self._went_around_s.items() if now_s - s < _AGAIN_S}
+
+
+def _radius_m(spec: VehicleSpec) -> float:
+    return max(math.hypot(x, y) for x, y in spec.footprint)
 
 
 def _event(level: EventLevel, kind: str, text: str, snapshot: Snapshot) -> Event:

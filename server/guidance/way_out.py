@@ -16,10 +16,11 @@ from geometry import SE2
 from mapping.grid import FloorGrid
 from protocol.lab import VehicleSpec
 from server.guidance.box import Body, footprint_at
-from server.guidance.following import Detour, RouteFollower, RoutePlan
+from server.guidance.following import Detour, RouteFollower
 from server.guidance.line import Line
 from server.guidance.parameters import GuidanceParameters
 from server.guidance.path import Point
+from server.guidance.route_plan import RoutePlan
 from server.planning import FreeSpace, Needs, ShortestWays, straightened
 
 _SAMPLE_M = 0.05
@@ -44,7 +45,7 @@ class Blocked:
     leg: int
     follower: RouteFollower
     place: Point | None
-    around: str
+    why: str
     room_m: float
     unknown: bool
 
@@ -92,7 +93,7 @@ def way_around(blocked: Blocked, floor: Floor, parameters: GuidanceParameters) -
         if back_m is not None:
             way = straightened(space, ways.way_to(line.at(back_m)))
             detour = Line([here, *way[1:-1], *line.part(back_m, line.length_m)])
-            detours[leg] = Detour(detour, detour.length_m - (line.length_m - back_m), waypoint, blocked.around)
+            detours[leg] = Detour(detour, detour.length_m - (line.length_m - back_m), waypoint, blocked.why)
             if back_m < line.length_m - _SAMPLE_M or blocked.place is None or _passes(line, blocked.place):
                 return detours
         else:
@@ -100,7 +101,7 @@ def way_around(blocked: Blocked, floor: Floor, parameters: GuidanceParameters) -
             if end is None:
                 return None
             detour = Line([here, *straightened(space, ways.way_to(end))[1:-1], end])
-            detours[leg] = Detour(detour, detour.length_m, waypoint, blocked.around)
+            detours[leg] = Detour(detour, detour.length_m, waypoint, blocked.why)
         if blocked.plan.arrives_at(leg):
             return detours
         here = detour.end

@@ -139,8 +139,8 @@ class _Window:
     columns: int
 
     def centres(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        x = self.origin[0] + np.arange(self.columns) * self.cell_m
-        return x, self.origin[1] + np.arange(self.rows) * self.cell_m
+        x = self.origin[0] + np.arange(self.columns, dtype=np.float64) * self.cell_m
+        return x, self.origin[1] + np.arange(self.rows, dtype=np.float64) * self.cell_m
 
     def cell_of(self, point: tuple[float, float]) -> tuple[int, int]:
         column, row = (round((p - o) / self.cell_m) for p, o in zip(point, self.origin, strict=True))
@@ -171,7 +171,7 @@ def _coarser(cells: NDArray[np.bool_], factor: int) -> NDArray[np.bool_]:
     rows, columns = (-(-size // factor) for size in cells.shape)
     padded = np.zeros((rows * factor, columns * factor), dtype=np.bool_)
     padded[: cells.shape[0], : cells.shape[1]] = cells
-    return padded.reshape(rows, factor, columns, factor).any(axis=(1, 3))
+    return np.logical_or.reduce(padded.reshape(rows, factor, columns, factor), axis=(1, 3))
 
 
 def _covered(window: _Window, shape: BaseGeometry) -> NDArray[np.bool_]:

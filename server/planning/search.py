@@ -23,9 +23,9 @@ class ShortestWays:
         rows, columns, _ = space.cells_of([start])
         self._start = int(rows[0]) * space.shape[1] + int(columns[0])
         graph = _graph(space, self._start)
-        cost, before = csgraph.dijkstra(graph, directed=False, indices=self._start, return_predecessors=True)
-        self._cost: NDArray[np.float64] = np.asarray(cost, dtype=np.float64)
-        self._before: NDArray[np.int32] = np.asarray(before, dtype=np.int32)
+        cost, before = csgraph.dijkstra(graph, directed=False, indices=[self._start], return_predecessors=True)
+        self._cost: NDArray[np.float64] = np.asarray(cost, dtype=np.float64)[0]
+        self._before: NDArray[np.int32] = np.asarray(before, dtype=np.int32)[0]
 
     def costs(self, points: Sequence[tuple[float, float]]) -> NDArray[np.float64]:
         """What the way to each point costs, shape (N,): metres where there is room; infinite where none leads."""

@@ -1,4 +1,4 @@
-"""How long a cycle of guidance takes, for ten, a hundred and a thousand robots that all drive: the pure core, and its messages."""
+"""How long a cycle of guidance takes, for ten, a hundred, a thousand robots that all drive: the pure core, and its messages."""
 
 import argparse
 import math

@@ -5,7 +5,7 @@ import math
 from collections.abc import Sequence
 
 import pytest
-from shapely.geometry import Polygon, box
+from shapely.geometry import Polygon
 
 from protocol.lab import Area, Lab
 from protocol.messages import AssignmentState, Leg, Movement, ReasonCode, RobotSettings, Route
@@ -22,7 +22,10 @@ def start(course: Course = ACROSS, *robots: Robot, lab: Lab = LAB) -> Simulation
 
 def corridor(*outlines: tuple[float, float, float, float]) -> Lab:
     """The lab with other areas: rectangles."""
-    areas = (Area(id=f"area{i}", outline=tuple(box(*area).exterior.coords[:-1])) for i, area in enumerate(outlines))
+    areas = (
+        Area(id=f"area{index}", outline=((x0, y0), (x1, y0), (x1, y1), (x0, y1)))
+        for index, (x0, y0, x1, y1) in enumerate(outlines)
+    )
     return LAB.model_copy(update={"areas": tuple(areas)})
 
 

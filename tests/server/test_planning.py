@@ -7,6 +7,7 @@ import pytest
 import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 from shapely.geometry import LineString, MultiPolygon, Point, Polygon, box
 
 from mapping.grid import FloorGrid
@@ -26,8 +27,9 @@ def grid(
     x, y = (columns + 0.5) * empty.cell_m, (rows + 0.5) * empty.cell_m
     half = empty.cell_m / 2
 
-    def within(area: tuple[float, float, float, float]) -> "np.ndarray[tuple[int, ...], np.dtype[np.bool_]]":
-        return (x > area[0] - half) & (x < area[2] + half) & (y > area[1] - half) & (y < area[3] + half)
+    def within(area: tuple[float, float, float, float]) -> NDArray[np.bool_]:
+        across, along = (x > area[0] - half) & (x < area[2] + half), (y > area[1] - half) & (y < area[3] + half)
+        return np.asarray(across & along, dtype=np.bool_)
 
     occupied = np.zeros_like(empty.occupied)
     for obstacle in obstacles:
