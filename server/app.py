@@ -34,6 +34,7 @@ from server.routes import (
     scene_proxy,
     session,
     simulation,
+    speed_zones,
     timings,
 )
 from server.security_headers import SecurityHeaders
@@ -45,6 +46,7 @@ _ROUTES = (
     robots,
     robot_side,
     plan,
+    speed_zones,
     emergency_stop,
     cameras,
     calibration,

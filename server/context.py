@@ -26,6 +26,7 @@ from server.repositories.plan import RouteRepository, WaypointRepository
 from server.repositories.robot_settings import RobotSettingsRepository
 from server.repositories.sessions import SessionRepository
 from server.repositories.simulated_objects import SimulatedObjectRepository
+from server.repositories.speed_zones import SpeedZoneRepository
 from server.repositories.tokens import TokenRepository
 from server.repositories.users import UserRepository
 from server.status_listener import StatusListener
@@ -52,6 +53,7 @@ class Context:
     routes: RouteRepository
     assignments: AssignmentRepository
     settings: RobotSettingsRepository
+    speed_zones: SpeedZoneRepository
     emergency_stop: EmergencyStopLatch
     manual: ManualDriveRepository
     objects: SimulatedObjectRepository
@@ -91,6 +93,7 @@ class Context:
             routes=RouteRepository(store, clock),
             assignments=AssignmentRepository(store, clock),
             settings=RobotSettingsRepository(store, clock),
+            speed_zones=SpeedZoneRepository(store, lab, clock),
             emergency_stop=hub.latch,
             manual=ManualDriveRepository(store, clock),
             objects=SimulatedObjectRepository(store, clock),

@@ -9,7 +9,7 @@ from typing import Protocol, cast
 from launcher.errors import LauncherError, UsageError
 from launcher.output import Result, print_result
 
-BENCHES = ("localization", "memory", "stop", "fleet")
+BENCHES = ("localization", "memory", "stop", "fleet", "guidance")
 """A name is a module in tests/bench with `add_arguments(parser)` and `run(arguments) -> Result`."""
 _ONE_THREAD = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 

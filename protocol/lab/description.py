@@ -6,7 +6,17 @@ from typing import Annotated, Self
 from pydantic import Field, ValidationInfo, model_validator
 
 from protocol.lab.base import Identifier, LabModel
-from protocol.lab.devices import Accuracy, Area, CameraSpec, FloorTags, Outputs, Ports, VehicleSpec, ZoneSpec
+from protocol.lab.devices import (
+    Accuracy,
+    Area,
+    CameraSpec,
+    FloorTags,
+    Outputs,
+    Ports,
+    SpeedZoneSpec,
+    VehicleSpec,
+    ZoneSpec,
+)
 from protocol.lab.simulation import Simulation
 
 Location = tuple[str | int, ...]
@@ -22,6 +32,7 @@ class Lab(LabModel):
     floor_tags: FloorTags
     vehicles: tuple[VehicleSpec, ...] = ()
     zones: tuple[ZoneSpec, ...] = ()
+    speed_zones: tuple[SpeedZoneSpec, ...] = ()
     accuracy: Accuracy = Accuracy()
     outputs: Outputs = Outputs()
     ports: Ports = Ports()
@@ -75,6 +86,7 @@ def _cross_problems(lab: Lab, *, recorded: bool) -> Iterator[tuple[Location, str
         ("cameras", [c.id for c in lab.cameras]),
         ("vehicles", [v.id for v in lab.vehicles]),
         ("zones", [z.id for z in lab.zones]),
+        ("speed_zones", [z.id for z in lab.speed_zones]),
     ):
         for index, name in enumerate(ids):
             if name in ids[:index]:

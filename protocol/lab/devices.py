@@ -92,12 +92,24 @@ class VehicleTag(LabModel):
 
 class ObstacleBox(LabModel):
     """The blue box in front of a robot (spec gpss): where it starts ahead of the rotation centre, its length along the
-    path and its width, in metres, and whether it ends at the next waypoint or runs past it."""
+    path and its width, in metres, and whether it ends at the next waypoint or runs past it. `robots` and `unknown` say whether
+    other robots and floor that no camera sees count."""
 
     start_m: NonNegative = 1.0
     length_m: Positive = 1.0
     width_m: Positive = 0.6
     stop_at_waypoint: bool = False
+    robots: bool = True
+    unknown: bool = True
+
+
+class Detours(LabModel):
+    """Whether a robot drives around what blocks it, how long it waits before that (s), and what it keeps free beside itself
+    then (m)."""
+
+    enabled: bool = True
+    after_s: NonNegative = 3.0
+    clearance_m: NonNegative = 0.3
 
 
 class Limits(LabModel):
@@ -146,6 +158,7 @@ class VehicleSpec(LabModel):
     tag: VehicleTag
     limits: Limits = Limits()
     obstacle_box: ObstacleBox = ObstacleBox()
+    detours: Detours = Detours()
     ros2: Ros2Base | None = None
     control: ControlSpec = ControlSpec()
     scanner: ScannerSpec | None = None
@@ -171,6 +184,19 @@ class ZoneSpec(LabModel):
     def _simple(self) -> Self:
         for name, outline in self.subareas.items():
             require_simple(outline, f"sub-area {name}")
+        return self
+
+
+class SpeedZoneSpec(LabModel):
+    """A part of the floor (m, map frame) where robots drive no faster than `speed_mps`."""
+
+    id: Identifier
+    outline: Outline
+    speed_mps: Positive
+
+    @model_validator(mode="after")
+    def _simple(self) -> Self:
+        require_simple(self.outline, f"speed zone {self.id}")
         return self
 
 

@@ -1,7 +1,7 @@
 """Orders and what robots say of themselves (spec gpss): Command, Status, Response, waypoints, routes, assignments."""
 
 from enum import StrEnum
-from typing import Annotated, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import ConfigDict, Field, model_validator
 
@@ -33,10 +33,21 @@ class Movement(StrEnum):
     DRIVE = "Drive"
 
 
+class StopAction(StrEnum):
+    """What a robot stops for."""
+
+    PICK_UP = "pick_up"
+    DROP_OFF = "drop_off"
+    CHARGE = "charge"
+
+
 class ReasonCode(StrEnum):
     """Why a robot drives, waits or stands; machine-readable."""
 
     ROUTE = "route"
+    DETOUR = "detour"
+    YIELDING = "yielding"
+    AT_STOP = "at_stop"
     ROUTE_DONE = "route_done"
     MANUAL = "manual"
     IDLE = "idle"
@@ -95,6 +106,9 @@ class Command(Message):
         default=False, description="Whether the target is a place to arrive at, not a carrot on the way."
     )
     path: Annotated[tuple[PointXY, ...], Field(max_length=MOST_PATH_POINTS)] = ()
+    action: StopAction | None = Field(
+        default=None, description="What the robot stands still for, at a stop of its route."
+    )
     linear_mps: Finite = 0.0
     angular_radps: Finite = 0.0
 
@@ -207,12 +221,39 @@ class Waypoint(Message):
 
 
 class Leg(Message):
-    """One leg of a route: the waypoint it ends at and the speed set-point on the way there."""
+    """One leg of a route: the waypoint it ends at, the speed set-point on the way there, and what happens at its end.
 
-    model_config = ConfigDict(json_schema_extra={"examples": [{"waypoint": "charger", "speed_mps": 0.3}]})
+    `movement` `MoveTo` drives there; `Rotate` only turns, where the robot stands, to the heading of the leg's end or, without
+    one, towards the waypoint. A leg with a heading, a stay, an action or a confirmation ends at rest.
+    """
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {"waypoint": "charger", "speed_mps": 0.3},
+                {"waypoint": "shelf", "action": "pick_up", "dwell_s": 5},
+            ]
+        }
+    )
 
     waypoint: Identifier
     speed_mps: Annotated[float, Field(strict=True, gt=0, le=10, allow_inf_nan=False)] = 0.3
+    movement: Literal[Movement.MOVE_TO, Movement.ROTATE] = Movement.MOVE_TO
+    yaw: Finite | None = Field(default=None, description="Heading to end with (rad); null: the waypoint's.")
+    dwell_s: Annotated[float, Field(strict=True, ge=0, le=86_400, allow_inf_nan=False)] = Field(
+        default=0.0, description="How long the robot stays at the leg's end, at least."
+    )
+    action: StopAction | None = None
+    confirm: Flag = Field(default=False, description="Whether it stays until a person lets it go on.")
+    charge_to: Annotated[float, Field(strict=True, gt=0, le=1)] = Field(
+        default=0.9,
+        description="The share of full charge at which charging ends; without a battery to read, `dwell_s` decides.",
+    )
+
+    @property
+    def stays(self) -> bool:
+        """Whether the robot has anything to wait for at the leg's end."""
+        return self.dwell_s > 0 or self.action is not None or self.confirm
 
 
 class Route(Message):
@@ -229,6 +270,20 @@ class Route(Message):
     loop: Flag = False
 
 
+MOST_QUEUED = 32
+"""Routes that may wait for one robot."""
+
+
+class QueuedRoute(Message):
+    """A route that waits for a robot to be done with what it drives; its id becomes the assignment's."""
+
+    id: Annotated[str, Field(min_length=1, max_length=64)]
+    route: Identifier
+    speed_scale: Annotated[float, Field(strict=True, gt=0, le=2, allow_inf_nan=False)] = 1.0
+    queued_ns: StampNs
+    queued_by: str = ""
+
+
 class AssignmentState(StrEnum):
     """The life of an assignment; RUNNING and PAUSED are not over."""
 
@@ -240,7 +295,11 @@ class AssignmentState(StrEnum):
 
 
 class Assignment(Message):
-    """A route given to a robot, and how far it has come. Durable: it survives every restart."""
+    """A route given to a robot, and how far it has come. Durable: it survives every restart.
+
+    `queue` holds the routes that follow, first in, first out. They begin when this one is done or cancelled; after a failure
+    they wait for a person.
+    """
 
     id: Annotated[str, Field(min_length=1, max_length=64)]
     robot: Identifier
@@ -249,10 +308,16 @@ class Assignment(Message):
     leg: Counted = Field(default=0, description="Index of the leg being driven.")
     laps: Counted = 0
     speed_scale: Annotated[float, Field(strict=True, gt=0, le=2, allow_inf_nan=False)] = 1.0
+    at_stop_ns: StampNs | None = Field(
+        default=None,
+        description="Since when the robot is at the end of its leg, where it stays a while; null on the way.",
+    )
+    proceed: Flag = Field(default=False, description="Whether a person has let it go on from where it stays.")
     started_ns: StampNs
     changed_ns: StampNs
     started_by: str = ""
     reason: str = ""
+    queue: Annotated[tuple[QueuedRoute, ...], Field(max_length=MOST_QUEUED)] = ()
 
 
 class RobotSettings(Message):
@@ -268,6 +333,36 @@ class RobotSettings(Message):
     box_length_m: Positive | None = None
     box_width_m: Positive | None = None
     stop_at_waypoint: Flag | None = None
+    box_robots: Flag | None = Field(default=None, description="Whether other robots in the box count.")
+    box_unknown: Flag | None = Field(default=None, description="Whether floor in the box that no camera sees counts.")
+    detours: Flag | None = Field(default=None, description="Whether it drives around what blocks it.")
+    detour_after_s: NonNegative | None = Field(
+        default=None, description="How long it waits before it looks for a way around."
+    )
+    detour_clearance_m: NonNegative | None = Field(
+        default=None, description="What it keeps free beside itself on a detour."
+    )
+    priority: Annotated[int, Field(ge=0, le=9), NUMERIC] = Field(
+        default=0,
+        description="Among robots that wait for each other the one with the least yields; of equals the last by id.",
+    )
+
+
+class SpeedZone(Message):
+    """A part of the floor where robots drive no faster than `speed_mps`: an outline in metres, map frame. It holds for a robot
+    while any part of it is inside."""
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {"id": "doorway", "outline": [[3.0, 1.0], [4.0, 1.0], [4.0, 2.0], [3.0, 2.0]], "speed_mps": 0.2}
+            ]
+        }
+    )
+
+    id: Identifier
+    outline: Annotated[tuple[PointXY, ...], Field(min_length=3, max_length=64)]
+    speed_mps: Annotated[float, Field(strict=True, gt=0, le=10, allow_inf_nan=False)]
 
 
 class Registration(Message):

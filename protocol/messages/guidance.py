@@ -24,7 +24,8 @@ class GuidanceState(Message):
 
     `box` is the outline of the obstacle box (empty while the robot is not on a route); `blocked` tells whether it counts
     as taken, also for the moment for which it must have been clear before the robot drives on; `blockage` is what is in
-    it now. `path` runs from the robot over the waypoints ahead, `carrot` is the temporary waypoint on it.
+    it now. `path` runs from the robot over the waypoints ahead, `carrot` is the temporary waypoint on it. `detour` is what is
+    left of the way around something, or out of another robot's way, that the robot makes (empty on its route).
     """
 
     robot: Identifier
@@ -35,4 +36,5 @@ class GuidanceState(Message):
     box: tuple[PointXY, ...] = ()
     carrot: PointXY | None = None
     path: tuple[PointXY, ...] = ()
+    detour: tuple[PointXY, ...] = ()
     leg: Annotated[int, Field(ge=0)] | None = Field(default=None, description="Index of the route's leg being driven.")

@@ -12,27 +12,63 @@ from mapping.grid import FloorGrid
 from protocol.channels import POSES
 from protocol.lab import VehicleSpec
 from protocol.messages import Blockage
-from server.guidance.box import Box, footprint_at
+from server.guidance.box import Box
+from server.guidance.floor_sums import Bounds
 from server.guidance.parameters import GuidanceParameters
 from server.guidance.snapshot import Snapshot, extrapolated, position_sigma_m
 
 
+class RobotShapes(Mapping[str, BaseGeometry]):
+    """The floor that each robot covers, and which of them are near a place without looking at all."""
+
+    def __init__(self, shapes: Mapping[str, BaseGeometry]) -> None:
+        self._shapes = dict(shapes)
+        self._names = tuple(self._shapes)
+        self._tree = shapely.STRtree(list(self._shapes.values()))
+
+    def near(self, area: BaseGeometry) -> Iterator[tuple[str, BaseGeometry]]:
+        """Those that the area touches, in the order of their names' being given."""
+        for index in sorted(self._tree.query(area, predicate="intersects")):
+            name = self._names[int(index)]
+            yield name, self._shapes[name]
+
+    def nobody_near(self, bounds: Bounds, robot: str) -> bool:
+        """Whether the rectangle is away from the rectangles around all but one robot."""
+        found = self._tree.query(shapely.box(*bounds))
+        return all(self._names[int(index)] == robot for index in found)
+
+    def __getitem__(self, name: str) -> BaseGeometry:
+        return self._shapes[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._shapes)
+
+    def __len__(self) -> int:
+        return len(self._shapes)
+
+
 def robot_shapes(
     vehicles: Mapping[str, VehicleSpec], snapshot: Snapshot, parameters: GuidanceParameters
-) -> dict[str, BaseGeometry]:
+) -> RobotShapes:
     """The floor that each robot covers from now until another could have reacted: its outline now and then, joined, and
     widened by three standard deviations of its position. A robot that has not been seen for a while stands where it was."""
-    shapes: dict[str, BaseGeometry] = {}
+    names, corners, owners, margins = list[str](), list[NDArray[np.float64]](), list[int](), list[float]()
     for name, pose in snapshot.poses.items():
         age_s = snapshot.age_s(pose.stamp_ns)
         spec = vehicles.get(name)
         if spec is None or age_s > parameters.forget_robot_s:
             continue
         fresh = age_s <= POSES.stale_after_s
-        now = footprint_at(extrapolated(pose, age_s if fresh else 0.0), spec)
-        soon = footprint_at(extrapolated(pose, age_s + parameters.reaction_s), spec) if fresh else now
-        shapes[name] = now.union(soon).convex_hull.buffer(3 * position_sigma_m(pose) + 0.02, quad_segs=2)
-    return shapes
+        now = extrapolated(pose, age_s if fresh else 0.0)
+        soon = extrapolated(pose, age_s + parameters.reaction_s) if fresh else now
+        corners += [now.apply(spec.footprint), soon.apply(spec.footprint)]
+        owners += [len(names)] * (2 * len(spec.footprint))
+        margins.append(3 * position_sigma_m(pose) + 0.02)
+        names.append(name)
+    if not names:
+        return RobotShapes({})
+    hulls = shapely.convex_hull(shapely.multipoints(np.concatenate(corners), indices=np.array(owners)))
+    return RobotShapes(dict(zip(names, shapely.buffer(hulls, margins, quad_segs=2), strict=True)))
 
 
 def nearest_blockage(
@@ -41,7 +77,7 @@ def nearest_blockage(
     own: Polygon,
     front_m: float,
     grid: FloorGrid,
-    robots: Mapping[str, BaseGeometry],
+    robots: RobotShapes,
 ) -> Blockage | None:
     """The nearest thing in the box, by the way along the planned path from the robot's front, which is `front_m` ahead of
     its centre; None when it is clear. What lies within the robot's own (widened) outline `own` is the robot itself."""
@@ -67,10 +103,8 @@ def _on_floor(box: Box, own: Polygon, front_m: float, grid: FloorGrid) -> Iterat
             yield _nearest(foreign, box.line, front_m, None)
 
 
-def _robots(
-    robot: str, box: Box, own: Polygon, front_m: float, robots: Mapping[str, BaseGeometry]
-) -> Iterator[Blockage]:
-    for name, shape in robots.items():
+def _robots(robot: str, box: Box, own: Polygon, front_m: float, robots: RobotShapes) -> Iterator[Blockage]:
+    for name, shape in robots.near(box.area):
         if name == robot:
             continue
         overlap = box.area.intersection(shape).difference(own)

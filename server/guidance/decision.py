@@ -9,7 +9,6 @@ import numpy as np
 import shapely
 from shapely.geometry import LineString, Point, Polygon
 from shapely.geometry.base import BaseGeometry
-from shapely.ops import substring
 
 from geometry import SE2
 from protocol.lab import Area, VehicleSpec
@@ -20,12 +19,13 @@ from protocol.messages import (
     Movement,
     Reason,
     ReasonCode,
+    StopAction,
     Target,
     TrackedPose,
 )
+from server.guidance.line import Line
 from server.guidance.parameters import GuidanceParameters
 from server.guidance.path import Point as PathPoint
-from server.guidance.path import without_repeats
 from server.guidance.snapshot import Snapshot, extrapolated
 
 _SEAM_M = 0.02
@@ -42,6 +42,7 @@ class Decision:
     speed_mps: float = 0.0
     final: bool = False
     path: tuple[PathPoint, ...] = ()
+    action: StopAction | None = None
     linear_mps: float = 0.0
     angular_radps: float = 0.0
 
@@ -60,6 +61,8 @@ class Ground:
     def __init__(self, areas: Sequence[Area]) -> None:
         self.area: BaseGeometry = shapely.union_all([Polygon(area.outline) for area in areas])
         self._tolerant = self.area.buffer(_SEAM_M, join_style="mitre")
+        box = shapely.box(*self.area.bounds)
+        self._rectangle = self.area.bounds if self.area.equals(box) else None
         shapely.prepare(self.area)
         shapely.prepare(self._tolerant)
 
@@ -68,17 +71,26 @@ class Ground:
 
     def leaving(self, path: Sequence[PathPoint], within_m: float = math.inf) -> PathPoint | None:
         """Where the path first leaves every area, within so many metres along it; None when it does not."""
-        points = without_repeats(path)
-        if len(points) < 2:
+        if not path:
             return None
-        whole = LineString(points)
-        line = substring(whole, 0.0, min(within_m, whole.length))
+        near = Line(path)
+        points = near.part(0.0, min(within_m, near.length_m))
+        if len(points) < 2 or self._within_rectangle(points):
+            return None
+        line = LineString(points)
         if self._tolerant.covers(line):
             return None
         outside = shapely.get_coordinates(line.difference(self._tolerant))
-        along = np.asarray(shapely.line_locate_point(whole, shapely.points(outside)))
+        along = np.asarray(shapely.line_locate_point(line, shapely.points(outside)))
         first = outside[int(np.argmin(along))]
         return float(first[0]), float(first[1])
+
+    def _within_rectangle(self, points: Sequence[PathPoint]) -> bool:
+        """Whether the ground is a rectangle along the axes with all these points in it: then so is what is between them."""
+        if self._rectangle is None:
+            return False
+        low_x, low_y, high_x, high_y = self._rectangle
+        return all(low_x <= x <= high_x and low_y <= y <= high_y for x, y in points)
 
     def distance(self, x: float, y: float) -> float:
         """Metres to the nearest point of an area, 0 inside."""
@@ -95,15 +107,22 @@ def stopped_by_latch(snapshot: Snapshot) -> Decision | None:
 
 
 def by_hand(
-    hand: ManualDrive, pose: TrackedPose | None, age_s: float, spec: VehicleSpec, ground: Ground, p: GuidanceParameters
+    hand: ManualDrive,
+    pose: TrackedPose | None,
+    age_s: float,
+    spec: VehicleSpec,
+    ground: Ground,
+    p: GuidanceParameters,
+    zone_mps: float = math.inf,
 ) -> Decision:
-    """The hand's twist within the vehicle's limits. Obstacles are the hand's business, the border of the area is not: a
-    robot inside stops before it, one outside may only come nearer. A robot that no camera sees is not driven at all: it
-    would refuse (its own dead-man's switch wants a pose), and nobody could keep it from people and walls."""
+    """The hand's twist within the vehicle's limits, and within `zone_mps` where the robot is. Obstacles are the hand's business,
+    the border of the area is not: a robot inside stops before it, one outside may only come nearer. A robot that no camera
+    sees is not driven at all: it would refuse (its own dead-man's switch wants a pose), and nobody could keep it from people
+    and walls."""
     if pose is None:
         return wait(ReasonCode.POSE_STALE, f"{hand.by} cannot drive it by hand: no camera sees it")
     limits = spec.limits
-    linear = _clip(hand.linear_mps, limits.speed_mps)
+    linear = _clip(hand.linear_mps, min(limits.speed_mps, zone_mps))
     angular = _clip(hand.angular_radps, limits.yaw_rate_radps)
     text = f"driven by {hand.by}"
     if linear and not _may_go(extrapolated(pose, age_s), linear, spec, ground, p):

@@ -2,19 +2,25 @@
 to be told. Pure: no Redis, no clock, no chance."""
 
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import replace
 
 from mapping.grid import FloorGrid
 from protocol.channels import OBSTACLES
 from protocol.errors import DecodeError
 from protocol.lab import Lab
-from protocol.messages import Command, Event, EventLevel, GuidanceState, Movement, ReasonCode
+from protocol.messages import Command, Event, EventLevel, FloorRaster, GuidanceState, Movement, ReasonCode, SpeedZone
 from server.guidance.blockage import robot_shapes
 from server.guidance.decision import Ground
+from server.guidance.floor_sums import FloorSums
 from server.guidance.parameters import GuidanceParameters
-from server.guidance.robot import RobotGuidance, Surroundings, View
+from server.guidance.robot import RobotGuidance
 from server.guidance.snapshot import AssignmentChange, Outcome, Snapshot
+from server.guidance.speed_limits import SpeedLimits
 from server.guidance.telling import DeadlockWatch, ProgressWatch, reason_event
+from server.guidance.unblocking import Unblocking
+from server.guidance.view import Surroundings, View
+from server.repositories.speed_zones import speed_zones_of
 
 _NS = 1_000_000_000
 
@@ -32,13 +38,21 @@ class Guidance:
         self._since: dict[str, tuple[ReasonCode, int]] = {}
         self._deadlocks = DeadlockWatch(self._parameters.deadlock_s)
         self._progress = ProgressWatch(self._parameters.no_progress_s)
+        self._raster: FloorRaster | None = None
+        self._known_grid: FloorGrid | None = None
+        self._sums: FloorSums | None = None
+        self._unblocking = Unblocking(self._robots, ground, self._parameters)
+        self._lab_zones = tuple(speed_zones_of(lab).values())
+        self._limits = SpeedLimits(self._lab_zones, self._parameters)
+        self._drawn_zones: Mapping[str, SpeedZone] = {}
 
     def cycle(self, snapshot: Snapshot, epoch: int) -> Outcome:
         """One cycle at the snapshot's time, as the guidance of that epoch."""
         self._sequence += 1
         events: list[Event] = []
         grid = self._grid(snapshot)
-        around = Surroundings(grid, robot_shapes(self._vehicles, snapshot, self._parameters))
+        robots = robot_shapes(self._vehicles, snapshot, self._parameters)
+        around = Surroundings(grid, self._sums, robots, self._speed_limits(snapshot))
         views = {
             name: self._dated(name, robot.cycle(snapshot, around), snapshot) for name, robot in self._robots.items()
         }
@@ -49,7 +63,9 @@ class Guidance:
             for name, view in views.items()
             if view.decision.reason.code is ReasonCode.ROBOT_AHEAD and view.blockage and view.blockage.robot
         }
-        events.extend(self._deadlocks.look(waits_for, snapshot))
+        watch = self._deadlocks
+        events.extend(watch.look(waits_for, snapshot))
+        events.extend(self._unblocking.look(views, watch.rings, watch.lasting, snapshot, around))
         events.extend(self._progress.look(views, snapshot))
         return Outcome(
             commands={name: self._command(name, view, snapshot, epoch) for name, view in views.items()},
@@ -72,6 +88,7 @@ class Guidance:
             speed_mps=decision.speed_mps,
             final=decision.final,
             path=decision.path,
+            action=decision.action,
             linear_mps=decision.linear_mps,
             angular_radps=decision.angular_radps,
         )
@@ -98,14 +115,23 @@ class Guidance:
             return []
         return [reason_event(robot, view.decision, snapshot.now_ns)]
 
+    def _speed_limits(self, snapshot: Snapshot) -> SpeedLimits:
+        """Of the lab's zones and those that operators drew, which may be other ones at any time."""
+        if snapshot.speed_zones != self._drawn_zones:
+            self._drawn_zones = dict(snapshot.speed_zones)
+            self._limits = SpeedLimits((*self._lab_zones, *self._drawn_zones.values()), self._parameters)
+        return self._limits
+
     def _grid(self, snapshot: Snapshot) -> FloorGrid | None:
+        """The obstacle map while it is fresh; read once per raster."""
         raster = snapshot.obstacles
-        if raster is None or snapshot.age_s(raster.stamp_ns) > OBSTACLES.stale_after_s:
-            return None
-        try:
-            return FloorGrid.from_raster(raster)
-        except DecodeError:
-            return None  # an obstacle map that contradicts itself is none
+        if raster is not self._raster:
+            self._raster, self._known_grid, self._sums = raster, None, None
+            with suppress(DecodeError):  # an obstacle map that contradicts itself is none
+                self._known_grid = FloorGrid.from_raster(raster) if raster is not None else None
+                self._sums = FloorSums(self._known_grid) if self._known_grid is not None else None
+        fresh = raster is not None and snapshot.age_s(raster.stamp_ns) <= OBSTACLES.stale_after_s
+        return self._known_grid if fresh else None
 
 
 def takeover_event(epoch: int, now_ns: int) -> Event:
@@ -138,5 +164,6 @@ def _state(robot: str, view: View, snapshot: Snapshot) -> GuidanceState:
         box=view.box,
         carrot=view.carrot,
         path=view.path,
+        detour=view.detour,
         leg=view.leg,
     )

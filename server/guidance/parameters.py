@@ -27,6 +27,13 @@ class GuidanceParameters:
       above the part of the floor that the robot itself hides from a camera aside (its roof's parallax).
     - `manual_lost_hold_s`: how long a robot on a route waits after the hand on its stick was lost instead of letting go.
     - `forget_robot_s`: a robot not seen for longer stands for nothing any more (the cameras then show it as an obstacle).
+    - `detour_look_ahead_m`: how far ahead the temporary waypoint runs on a detour: the nearer, the less of a bend is cut; more
+      than the controller's lock radius all the same.
+    - `detour_mps`: the speed on a detour, at most.
+    - `retry_s`: how long after a vain search for a way around the next one begins.
+    - `searches_per_cycle`: how many ways around are searched for in one cycle at most; the others have their turn in the next.
+    - `zone_mps2`: how gently a robot is slowed down before a zone with a speed limit, and `zone_lead_s`: how much earlier, for
+      what command, motors and the pose are late.
     """
 
     rate_hz: float = 10.0
@@ -46,6 +53,12 @@ class GuidanceParameters:
     no_progress_s: float = 20.0
     deadlock_s: float = 2.0
     manual_lost_hold_s: float = 3.0
+    detour_look_ahead_m: float = 0.45
+    detour_mps: float = 0.4
+    retry_s: float = 3.0
+    searches_per_cycle: int = 1
+    zone_mps2: float = 0.3
+    zone_lead_s: float = 0.3
 
     def __post_init__(self) -> None:
         if not self.look_ahead_m > CONTROLLER_LOCK_M:

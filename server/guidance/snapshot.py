@@ -16,6 +16,7 @@ from protocol.messages import (
     ManualDrive,
     RobotSettings,
     Route,
+    SpeedZone,
     Status,
     TrackedPose,
     Waypoint,
@@ -41,6 +42,7 @@ class Snapshot:
     routes: Mapping[str, Route] = field(default_factory=dict[str, Route])
     assignments: Mapping[str, Assignment] = field(default_factory=dict[str, Assignment])
     settings: Mapping[str, RobotSettings] = field(default_factory=dict[str, RobotSettings])
+    speed_zones: Mapping[str, SpeedZone] = field(default_factory=dict[str, SpeedZone])
 
     def age_s(self, stamp_ns: int) -> float:
         """How far a stamp lies from now; one from the future is as wrong as one from the past."""

@@ -29,7 +29,7 @@ from protocol.channels import (
 from protocol.clock import Clock
 from protocol.codec import decode, encode
 from protocol.errors import DecodeError
-from protocol.messages import Assignment, EmergencyStop, RobotSettings, Route, Waypoint
+from protocol.messages import Assignment, EmergencyStop, RobotSettings, Route, SpeedZone, Waypoint
 from server.guidance.snapshot import Outcome, Snapshot
 
 M = TypeVar("M", bound=BaseModel | Struct)
@@ -116,11 +116,11 @@ class GuidanceStore:
         emergency stop that cannot be read counts as engaged."""
         pipeline = self._redis.pipeline(transaction=False)
         channels = (POSES, STATUSES, MANUAL, EMERGENCY_STOP, OBSTACLES)
-        hashes = (keys.WAYPOINTS, keys.ROUTES, keys.ASSIGNMENTS, keys.ROBOT_SETTINGS)
+        hashes = (keys.WAYPOINTS, keys.ROUTES, keys.ASSIGNMENTS, keys.ROBOT_SETTINGS, keys.SPEED_ZONES)
         for key in (*(keys.live(channel.name) for channel in channels), *hashes):
             pipeline.hgetall(key)  # pyright: ignore[reportUnusedCoroutine]  # queued
         raw = cast("list[dict[bytes, bytes]]", await pipeline.execute())
-        poses, statuses, manual, stop, obstacles, waypoints, routes, assignments, settings = raw
+        poses, statuses, manual, stop, obstacles, waypoints, routes, assignments, settings, zones = raw
         self._assignments = {name.decode(errors="replace"): data for name, data in assignments.items()}
         stops = self._live(EMERGENCY_STOP, stop)
         latch = stops.get(LAB_INSTANCE)
@@ -138,6 +138,7 @@ class GuidanceStore:
             routes=self._decode(keys.ROUTES, Route, routes),
             assignments=self._decode(keys.ASSIGNMENTS, Assignment, assignments),
             settings=self._decode(keys.ROBOT_SETTINGS, RobotSettings, settings),
+            speed_zones=self._decode(keys.SPEED_ZONES, SpeedZone, zones),
         )
 
     async def highest_epoch(self, snapshot: Snapshot) -> int:

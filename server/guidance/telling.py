@@ -11,6 +11,7 @@ from server.guidance.snapshot import Snapshot
 _PROGRESS_M = 0.1
 _CALM = frozenset({
     ReasonCode.ROUTE, ReasonCode.ROUTE_DONE, ReasonCode.MANUAL, ReasonCode.IDLE, ReasonCode.PAUSED,
+    ReasonCode.DETOUR, ReasonCode.YIELDING, ReasonCode.AT_STOP,
 })  # fmt: skip
 _VERBS = {
     Movement.MOVE_TO: "drives",
@@ -38,28 +39,44 @@ def reason_event(robot: str, decision: Decision, now_ns: int) -> Event:
         kind = "route_done"
     elif code is ReasonCode.WAYPOINT_MISSING:
         kind, level = "route_failed", EventLevel.ERROR
+    elif code is ReasonCode.AT_STOP:
+        kind = "stop_reached"
+    elif code in (ReasonCode.DETOUR, ReasonCode.YIELDING):
+        kind = f"robot_{code.value}"
     why = code.value.replace("_", " ")
     sentence = f"{robot} {_VERBS[decision.movement]}: {why}{', ' + text if text else ''}"
-    if code in (ReasonCode.ROUTE_DONE, ReasonCode.WAYPOINT_MISSING, ReasonCode.ROUTE) and text:
-        sentence = f"{robot}: {text}" if code is not ReasonCode.ROUTE else f"{robot} {_VERBS[decision.movement]} {text}"
+    if code in (ReasonCode.ROUTE_DONE, ReasonCode.WAYPOINT_MISSING) and text:
+        sentence = f"{robot}: {text}"
+    elif code is ReasonCode.ROUTE and text:
+        sentence = f"{robot} {_VERBS[decision.movement]} {text}"
+    elif code is ReasonCode.DETOUR:
+        sentence = f"{robot} makes a detour {text}"
+    elif code in (ReasonCode.AT_STOP, ReasonCode.YIELDING) and text:
+        sentence = f"{robot} {text}"
     return Event(stamp_ns=now_ns, level=level, source=robot, kind=kind, text=sentence)
 
 
 class DeadlockWatch:
-    """Robots that wait for each other in a ring: named once when it has lasted, and again only after it was broken."""
+    """Robots that wait for each other in a ring: named once when it has lasted, and again only after it was broken. `rings` are
+    all that there are now, `lasting` those that have lasted, each from its smallest member."""
 
     def __init__(self, after_s: float) -> None:
         self._after_s = after_s
         self._since: dict[frozenset[str], float] = {}
         self._told: set[frozenset[str]] = set()
+        self.rings: list[list[str]] = []
+        self.lasting: list[list[str]] = []
 
     def look(self, waits_for: Mapping[str, str], snapshot: Snapshot) -> list[Event]:
         rings = _rings(waits_for)
         self._since = {key: self._since.get(key, snapshot.now_s) for key in rings}
         self._told &= rings.keys()
         events: list[Event] = []
-        for key, ring in rings.items():
-            if key in self._told or snapshot.now_s - self._since[key] < self._after_s:
+        self.rings = list(rings.values())
+        self.lasting = [ring for key, ring in rings.items() if snapshot.now_s - self._since[key] >= self._after_s]
+        for ring in self.lasting:
+            key = frozenset(ring)
+            if key in self._told:
                 continue
             self._told.add(key)
             text = ", ".join(f"{robot} waits for {waits_for[robot]}" for robot in ring)
@@ -116,10 +133,16 @@ class ProgressWatch:
 def _rings(waits_for: Mapping[str, str]) -> dict[frozenset[str], list[str]]:
     """The closed rings in a graph in which everyone waits for at most one other, each from its smallest member."""
     rings: dict[frozenset[str], list[str]] = {}
+    seen: set[str] = set()
     for start in sorted(waits_for):
-        ring = [start]
-        while (following := waits_for.get(ring[-1])) is not None and following not in ring:
-            ring.append(following)
-        if following == start:
-            rings.setdefault(frozenset(ring), ring)
+        chain: dict[str, int] = {}
+        name: str | None = start
+        while name is not None and name not in seen and name not in chain:
+            chain[name] = len(chain)
+            name = waits_for.get(name)
+        if name is not None and name in chain:
+            ring = list(chain)[chain[name] :]
+            first = ring.index(min(ring))
+            rings[frozenset(ring)] = ring[first:] + ring[:first]
+        seen |= chain.keys()
     return rings

@@ -131,6 +131,9 @@ async def _require_not_driven(transaction: Transaction, route_id: str, what: str
     drivers = sorted(a.robot for a in assignments.values() if a.route == route_id and not is_over(a))
     if drivers:
         raise ConflictError(f"route {route_id!r} is being driven by {', '.join(drivers)}; stop it before it is {what}")
+    waiting = sorted(a.robot for a in assignments.values() if any(entry.route == route_id for entry in a.queue))
+    if waiting and what == "deleted":
+        raise ConflictError(f"route {route_id!r} is queued for {', '.join(waiting)}; take it out before it is {what}")
 
 
 def _event(clock: Clock, actor: str, kind: str, text: str) -> Event:

@@ -2,7 +2,7 @@
 
 from typing import Annotated
 
-from fastapi import APIRouter, Header, Query
+from fastapi import APIRouter, Header, Path, Query
 from pydantic import ConfigDict, Field
 
 from protocol.messages import Assignment, ManualDrive, Response, RobotSettings
@@ -26,6 +26,9 @@ _Tab = Annotated[
         description="Tells one tab, or one thread of a program, from another of the same login: each has a hand of its own.",
     ),
 ]
+
+
+_Entry = Annotated[str, Path(pattern=r"^[0-9a-z-]{1,64}$")]
 
 
 class Start(Body):
@@ -107,9 +110,54 @@ async def resume_route(identity: Operator, robot_id: RobotId, context: Ctx) -> A
 
 @router.delete("/{robot_id}/assignment", summary="Stop the route", responses=refusals(404, 409))
 async def stop_route(identity: Operator, robot_id: RobotId, context: Ctx) -> Assignment:
-    """Ends the route for good; the robot holds still."""
+    """Ends the route for good and empties the queue; the robot holds still."""
     context.vehicle(robot_id)
     return await context.assignments.stop(robot_id, identity.name)
+
+
+@router.post("/{robot_id}/assignment/skip", summary="Skip a leg", responses=refusals(404, 409))
+async def skip_leg(identity: Operator, robot_id: RobotId, context: Ctx) -> Assignment:
+    """The robot goes on with the next leg from where it is; the stay at the end of this one is left out too. Skipping the last
+    leg ends the route, and the next of the queue begins."""
+    context.vehicle(robot_id)
+    return await context.assignments.skip(robot_id, identity.name)
+
+
+@router.post("/{robot_id}/assignment/proceed", summary="Let it go on from a stop", responses=refusals(404, 409))
+async def proceed(identity: Operator, robot_id: RobotId, context: Ctx) -> Assignment:
+    """Confirms what a robot stays for at the end of a leg (a load taken, a charge that suffices). Refused while it does not
+    stay anywhere."""
+    context.vehicle(robot_id)
+    return await context.assignments.proceed(robot_id, identity.name)
+
+
+@router.post("/{robot_id}/assignment/cancel", summary="Cancel the route", responses=refusals(404, 409))
+async def cancel_route(identity: Operator, robot_id: RobotId, context: Ctx) -> Assignment:
+    """Ends the route, also one that failed, and the next of the queue begins."""
+    context.vehicle(robot_id)
+    return await context.assignments.cancel(robot_id, identity.name)
+
+
+@router.post("/{robot_id}/queue", summary="Queue a route", status_code=201, responses=refusals(404, 409))
+async def queue_route(identity: Operator, robot_id: RobotId, start: Start, context: Ctx) -> Assignment:
+    """The robot drives the route after all that it has to do; a looped route ends at the end of its lap when something is
+    queued. With nothing to do it begins at once, and is refused as a start is."""
+    context.vehicle(robot_id)
+    return await context.assignments.enqueue(robot_id, start.route, start.speed_scale, identity.name)
+
+
+@router.delete("/{robot_id}/queue", summary="Empty the queue", responses=refusals(404))
+async def empty_queue(identity: Operator, robot_id: RobotId, context: Ctx) -> Assignment:
+    """What is being driven goes on."""
+    context.vehicle(robot_id)
+    return await context.assignments.dequeue(robot_id, None, identity.name)
+
+
+@router.delete("/{robot_id}/queue/{entry_id}", summary="Take a route out of the queue", responses=refusals(404))
+async def dequeue_route(identity: Operator, robot_id: RobotId, entry_id: _Entry, context: Ctx) -> Assignment:
+    """By the id of its entry."""
+    context.vehicle(robot_id)
+    return await context.assignments.dequeue(robot_id, entry_id, identity.name)
 
 
 @router.put("/{robot_id}/manual", summary="Drive by hand", responses=refusals(404, 409))

@@ -7,7 +7,7 @@ from enum import StrEnum
 from pydantic import Field
 
 from protocol.channels import COMMANDS, POSES, STATUSES
-from protocol.lab import Limits, ObstacleBox, VehicleSpec
+from protocol.lab import Detours, Limits, ObstacleBox, VehicleSpec
 from protocol.messages import (
     Assignment,
     AssignmentState,
@@ -26,7 +26,7 @@ from protocol.messages import (
     TrackedPose,
 )
 from protocol.messages.guidance import Blockage
-from server.effective_box import effective_box
+from server.effective_box import effective_box, effective_detours
 from server.repositories.plan import is_over
 from server.views.base import AgeS, Outline, PointXY, View, age_s
 
@@ -113,6 +113,9 @@ class GuidanceView(View):
     box: Outline = Field(description="Outline of the obstacle box; empty while there is none.")
     carrot: PointXY | None
     path: Outline
+    detour: Outline = Field(
+        description="What is left of its way around something, or out of the way; empty on its route."
+    )
     leg: int | None
 
 
@@ -144,6 +147,7 @@ class RobotView(View):
     guidance: GuidanceView | None
     manual: ManualView | None
     obstacle_box: ObstacleBox = Field(description="In force: the lab's, with the operator's settings over it.")
+    detours: Detours = Field(description="In force: whether and when it drives around what blocks it.")
     settings: RobotSettings = Field(description="What the operator has set; null falls back to the lab description.")
 
     def without_ages(self) -> "RobotView":
@@ -199,6 +203,7 @@ def robot_view(vehicle: VehicleSpec, fleet: FleetState, now_ns: int) -> RobotVie
         guidance=guidance,
         manual=manual,
         obstacle_box=effective_box(vehicle.obstacle_box, settings),
+        detours=effective_detours(vehicle.detours, settings),
         settings=settings,
     )
 
@@ -346,6 +351,7 @@ def _guidance(state: GuidanceState | None, now_ns: int) -> GuidanceView | None:
         box=state.box,
         carrot=state.carrot,
         path=state.path,
+        detour=state.detour,
         leg=state.leg,
     )
 

@@ -94,6 +94,8 @@ def test_a_route_is_placed_driven_blocked_and_finished(system: RunningSystem, op
     operator.part("route-save").click()
     wait_for("the route", lambda: any(route["id"] == "rounds" for route in system.api.get("/routes").json()))
 
+    # It is to stand before the pallet for as long as that is looked at.
+    system.api.put(f"/robots/{ROBOT}/settings", json={"detour_after_s": 60.0}).raise_for_status()
     operator.open("floor")
     with Odyssey(system) as odyssey:
         operator.start_route(ROBOT, "rounds")

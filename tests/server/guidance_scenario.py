@@ -3,8 +3,11 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import Any
 
 import numpy as np
+from msgspec import structs
 from shapely.geometry import Polygon
 
 from agents.control import Executor
@@ -25,6 +28,7 @@ from protocol.messages import (
     Movement,
     RobotSettings,
     Route,
+    SpeedZone,
     Status,
     TrackedPose,
     Waypoint,
@@ -42,7 +46,14 @@ def raster(
     pallets: Sequence[Sequence[tuple[float, float]]] = (), stamp_ns: int = START_NS, lab: Lab = LAB
 ) -> FloorRaster:
     """Everything seen; occupied where a pallet (polygon, metres) is."""
-    grid = FloorGrid.covering(lab.bounds())
+    return structs.replace(_raster(tuple(map(tuple, pallets)), lab.bounds()), stamp_ns=stamp_ns)
+
+
+@lru_cache(maxsize=64)
+def _raster(
+    pallets: tuple[tuple[tuple[float, float], ...], ...], bounds: tuple[float, float, float, float]
+) -> FloorRaster:
+    grid = FloorGrid.covering(bounds)
     occupied = np.zeros_like(grid.occupied)
     rows, columns = np.indices(occupied.shape)
     for pallet in pallets:
@@ -51,7 +62,7 @@ def raster(
         low_x, low_y, high_x, high_y = Polygon(pallet).bounds
         half = grid.cell_m / 2
         occupied |= (x > low_x - half) & (x < high_x + half) & (y > low_y - half) & (y < high_y + half)
-    return grid.with_cells(occupied, np.ones_like(occupied)).to_raster(LAB_INSTANCE, stamp_ns)
+    return grid.with_cells(occupied, np.ones_like(occupied)).to_raster(LAB_INSTANCE, START_NS)
 
 
 def square(x: float, y: float, side: float = 0.4) -> list[tuple[float, float]]:
@@ -88,6 +99,8 @@ class Course:
     speed: float = 0.3
     loop: bool = False
     yaws: Mapping[int, float] = field(default_factory=dict[int, float])
+    legs: Mapping[int, Mapping[str, Any]] = field(default_factory=dict[int, Mapping[str, Any]])
+    """More of single legs: stays, actions, movements."""
 
     def waypoints(self) -> dict[str, Waypoint]:
         return {
@@ -96,7 +109,9 @@ class Course:
         }
 
     def routes(self) -> dict[str, Route]:
-        legs = tuple(Leg(waypoint=f"w{i}", speed_mps=self.speed) for i in range(len(self.points)))
+        legs = tuple(
+            Leg(waypoint=f"w{i}", speed_mps=self.speed, **self.legs.get(i, {})) for i in range(len(self.points))
+        )
         return {"r": Route(id="r", legs=legs, loop=self.loop)}
 
 
@@ -143,8 +158,11 @@ class Simulation:
         self.course, self.robots = course, {robot.id: robot for robot in robots}
         self.parameters, self.lab = parameters, lab
         self.guidance = Guidance(lab, parameters)
+        self.waypoints, self.routes = course.waypoints(), course.routes()
         self.assignments = {robot.id: assignment(robot.id) for robot in robots}
         self.settings: dict[str, RobotSettings] = {}
+        self.speed_zones: dict[str, SpeedZone] = {}
+        self.battery: float | None = None
         self.pallets: list[list[tuple[float, float]]] = []
         self.emergency_stop: EmergencyStop | None = None
         self.manual: dict[str, ManualDrive] = {}
@@ -207,7 +225,9 @@ class Simulation:
 
     def snapshot(self) -> Snapshot:
         statuses = {
-            name: status(name, self.now_ns, robot.twist.linear_mps, robot.twist.angular_radps)
+            name: status(name, self.now_ns, robot.twist.linear_mps, robot.twist.angular_radps).model_copy(
+                update={"battery": self.battery}
+            )
             for name, robot in self.robots.items()
         }
         return Snapshot(
@@ -218,10 +238,11 @@ class Simulation:
             manual=self.manual,
             emergency_stop=self.emergency_stop,
             obstacles=raster(self._known_pallets, self.now_ns),
-            waypoints=self.course.waypoints(),
-            routes=self.course.routes(),
+            waypoints=self.waypoints,
+            routes=self.routes,
             assignments=self.assignments,
             settings=self.settings,
+            speed_zones=self.speed_zones,
         )
 
     def movement(self, robot: str = ROBOT) -> Movement:

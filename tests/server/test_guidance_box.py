@@ -7,15 +7,15 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 from shapely.geometry import Point, Polygon
-from shapely.geometry.base import BaseGeometry
 
 from geometry import SE2
 from mapping.grid import FloorGrid
 from protocol.lab import ObstacleBox
 from protocol.messages import Blockage, RobotSettings
 from server.effective_box import effective_box
-from server.guidance.blockage import nearest_blockage, observed_share, robot_shapes
-from server.guidance.box import Body, Box, PlannedPath, footprint_at, obstacle_box, outline, reach_m
+from server.guidance.blockage import RobotShapes, nearest_blockage, observed_share, robot_shapes
+from server.guidance.box import Body, Box, BoxRequest, PlannedPath, footprint_at, obstacle_box, outline, reach_m
+from server.guidance.floor_sums import FloorSums
 from server.guidance.parameters import GuidanceParameters
 from server.guidance.snapshot import Snapshot
 from tests.server.guidance_scenario import LAB, OTHER, ROBOT, START_NS, raster, square, tracked
@@ -117,7 +117,9 @@ def test_any_path_gives_a_box_within_reach_that_can_be_drawn(
 
 def blockage_of(box: Box, pallets: list[list[tuple[float, float]]]) -> Blockage | None:
     own = footprint_at(SE2(1.0, 1.0, 0.0), SPEC).buffer(PARAMETERS.own_margin_m)
-    return nearest_blockage(ROBOT, box, own, Body.of(SPEC).front_m, FloorGrid.from_raster(raster(pallets)), {})
+    return nearest_blockage(
+        ROBOT, box, own, Body.of(SPEC).front_m, FloorGrid.from_raster(raster(pallets)), RobotShapes({})
+    )
 
 
 def test_the_nearest_obstacle_is_named_with_its_place_and_distance_from_the_front() -> None:
@@ -160,7 +162,7 @@ def test_another_robot_in_the_box_is_named_and_counts_where_it_will_be() -> None
     grid = FloorGrid.from_raster(raster())
     found = nearest_blockage(ROBOT, box, own, 0.15, grid, shapes)
     assert found is None or found.robot == OTHER
-    assert nearest_blockage(ROBOT, box, own, 0.15, grid, {ROBOT: shapes[OTHER].buffer(1.0)}) is None
+    assert nearest_blockage(ROBOT, box, own, 0.15, grid, RobotShapes({ROBOT: shapes[OTHER].buffer(1.0)})) is None
     nearer = Snapshot(now_ns=START_NS, now_s=0.0, poses={OTHER: tracked(OTHER, 1.8, 0.4, yaw=math.pi / 2, speed=0.8)})
     found = nearest_blockage(ROBOT, box, own, 0.15, grid, robot_shapes({OTHER: SPEC}, nearer, PARAMETERS))
     assert found is not None
@@ -168,7 +170,7 @@ def test_another_robot_in_the_box_is_named_and_counts_where_it_will_be() -> None
 
 
 def test_a_robot_long_unseen_blocks_nobody_and_one_just_lost_stands_where_it_was() -> None:
-    def shapes(age_s: float) -> dict[str, BaseGeometry]:
+    def shapes(age_s: float) -> RobotShapes:
         pose = tracked(OTHER, 2.0, 1.0, stamp_ns=START_NS - round(age_s * 1e9), speed=0.8)
         return robot_shapes({OTHER: SPEC}, Snapshot(now_ns=START_NS, now_s=0.0, poses={OTHER: pose}), PARAMETERS)
 
@@ -182,3 +184,61 @@ def test_the_share_that_cameras_see() -> None:
     assert observed_share(Polygon(square(4.0, 2.0)), grid) == pytest.approx(1.0, abs=0.02)
     assert observed_share(Polygon(square(grid.bounds[2], 2.0)), grid) == pytest.approx(0.5, abs=0.1)
     assert observed_share(Polygon(square(40.0, 2.0)), grid) == 0.0
+
+
+def request(points: list[tuple[float, float]], yaw: float, present: float, speed: float, stop: bool) -> BoxRequest:
+    size = ObstacleBox(start_m=0.2, length_m=0.6, width_m=0.45, stop_at_waypoint=stop)
+    way_m = math.dist(points[0], points[1]) if len(points) > 1 else 0.0
+    return BoxRequest(SE2(*points[0], yaw), PlannedPath(points, way_m), size, SPEC, speed, present, PARAMETERS)
+
+
+@given(
+    points=way, yaw=st.floats(-3.1, 3.1), present=st.floats(-0.8, 0.8), speed=st.floats(0.0, 0.8), stop=st.booleans()
+)
+def test_a_box_does_not_leave_the_rectangle_that_is_asked_first(
+    points: list[tuple[float, float]], yaw: float, present: float, speed: float, stop: bool
+) -> None:
+    wanted = request(points, yaw, present, speed, stop)
+    assert wanted.box().area.difference(shapely.box(*wanted.bounds()).buffer(1e-6)).is_empty
+
+
+@pytest.mark.parametrize("stop", [False, True])
+@pytest.mark.parametrize("yaw", [0.5, 0.53])
+def test_a_straight_box_is_drawn_as_it_is_without_computing_it(yaw: float, stop: bool) -> None:
+    end = (1.0 + 0.7 * math.cos(0.5), 1.0 + 0.7 * math.sin(0.5))
+    wanted = request([(1.0, 1.0), end], yaw, 0.3, 0.3, stop)
+    drawn, exact = Polygon(wanted.outline()), wanted.box().area
+    assert drawn.symmetric_difference(exact).area < 0.005
+    assert drawn.hausdorff_distance(exact) < 0.03
+
+
+pieces = st.lists(st.tuples(st.floats(0.0, 7.5), st.floats(0.0, 3.8)), max_size=4)
+
+
+@given(
+    pallets=pieces,
+    hidden=pieces,
+    corner=st.tuples(st.floats(-0.5, 8.0), st.floats(-0.5, 4.3)),
+    size=st.tuples(st.floats(0.05, 1.5), st.floats(0.05, 1.5)),
+)
+def test_what_the_sums_call_clear_is_seen_and_free(
+    pallets: list[tuple[float, float]],
+    hidden: list[tuple[float, float]],
+    corner: tuple[float, float],
+    size: tuple[float, float],
+) -> None:
+    occupied = FloorGrid.from_raster(raster([square(x, y, side=0.2) for x, y in pallets]))
+    unseen = FloorGrid.from_raster(raster([square(x, y, side=0.2) for x, y in hidden])).occupied
+    grid = occupied.with_cells(occupied.occupied, ~unseen)
+    bounds = (corner[0], corner[1], corner[0] + size[0], corner[1] + size[1])
+    if FloorSums(grid).all_clear(bounds):
+        found = grid.look(shapely.get_coordinates(shapely.box(*bounds))[:-1])
+        assert not found.blocked
+        assert found.observed_share in (0.0, 1.0)  # 0: too thin for any cell's centre
+
+
+def test_an_empty_floor_is_clear_but_at_its_border() -> None:
+    sums = FloorSums(FloorGrid.from_raster(raster()))
+    assert sums.all_clear((1.0, 1.0, 3.0, 3.0))
+    assert not sums.all_clear((-1.0, 1.0, 3.0, 3.0))
+    assert not sums.all_clear((7.0, 1.0, 9.0, 3.0))

@@ -87,6 +87,7 @@ def test_a_pallet_put_in_the_way_is_kept_away_from_and_taken_away_lets_the_robot
     gap: float, speed: float
 ) -> None:
     simulation = start(Course([(6.0, 1.0)], speed=speed))
+    simulation.settings[ROBOT] = RobotSettings(detours=False)
     simulation.run(3.0)
     edge = simulation.robots[ROBOT].pose.x + FRONT_M + gap
     simulation.pallets = [square(edge + 0.2, 1.0)]
@@ -108,6 +109,7 @@ def test_a_pallet_put_in_the_way_is_kept_away_from_and_taken_away_lets_the_robot
 
 def test_a_pallet_behind_the_corner_is_seen_along_the_path() -> None:
     simulation = start(Course([(2.0, 1.0), (2.0, 3.0)]))
+    simulation.settings[ROBOT] = RobotSettings(detours=False)
     simulation.pallets = [square(2.0, 1.8)]
     simulation.run(15.0)
     assert simulation.movement() is Movement.WAITING
@@ -130,6 +132,7 @@ def test_robots_nose_to_nose_wait_without_touching_and_the_deadlock_is_named_onc
     course = Course([(6.0, 1.0), (1.0, 1.0)])
     simulation = start(course, Robot(ROBOT, 1.0, 1.0), Robot(OTHER, 6.0, 1.03, math.pi))
     simulation.assignments[OTHER] = simulation.assignments[OTHER].model_copy(update={"leg": 1})
+    simulation.settings = dict.fromkeys((ROBOT, OTHER), RobotSettings(detours=False))
     simulation.run(25.0)
     a, b = (robot.pose for robot in simulation.robots.values())
     assert a.distance_to(b) - 2 * FRONT_M >= 0.3
@@ -140,7 +143,7 @@ def test_robots_nose_to_nose_wait_without_touching_and_the_deadlock_is_named_onc
     blockage = simulation.outcome.states[ROBOT].blockage
     assert blockage is not None
     assert blockage.robot == OTHER
-    deadlocks = [event for event in simulation.events if event.startswith("deadlock")]
+    deadlocks = [event for event in simulation.events if event.startswith("deadlock:")]
     assert len(deadlocks) == 1
     assert ROBOT in deadlocks[0]
     assert OTHER in deadlocks[0]

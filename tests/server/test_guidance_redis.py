@@ -14,12 +14,24 @@ from pathlib import Path
 
 import pytest
 
+from agents.safety import CommandGate, Verdict
 from protocol import keys
 from protocol.bus import Bus
 from protocol.channels import COMMANDS, EMERGENCY_STOP, EVENTS, GUIDANCE, LAB_INSTANCE, OBSTACLES, POSES, STATUSES
 from protocol.clock import SimulatedClock, SystemClock
 from protocol.codec import decode, encode
-from protocol.messages import Assignment, AssignmentState, Command, EmergencyStop, Movement, Reason, ReasonCode
+from protocol.messages import (
+    Assignment,
+    AssignmentState,
+    Command,
+    EmergencyStop,
+    Movement,
+    Movement,
+    QueuedRoute,
+    Reason,
+    ReasonCode,
+    SpeedZone,
+)
 from server.guidance.fleet import Guidance
 from server.guidance.parameters import GuidanceParameters
 from server.guidance.service import GuidanceService
@@ -350,6 +362,85 @@ async def test_a_stand_by_takes_over_within_two_seconds_of_a_kill(
     assert await until(taken_over) < 2.0
     kinds = [(item.message.kind, item.message.text) for item in await bus.history(EVENTS)]
     assert ("guidance_active", f"guidance is active, epoch {await epoch()}") in kinds
+
+
+async def test_one_that_was_held_up_says_nothing_any_more_and_stands_by(
+    bus: Bus, start_process: Callable[[], "subprocess.Popen[bytes]"]
+) -> None:
+    """A process that is stopped for longer than its lease, as by a machine that swaps or sleeps, wakes to another in charge."""
+    gate, heard = CommandGate(ROBOT), list[Command]()
+
+    async def listen() -> None:
+        async for item in bus.subscribe(COMMANDS, instance=ROBOT):
+            heard.append(item.message)
+            gate.offer(item.message, time.time_ns(), time.monotonic())
+
+    async def some() -> bool:
+        return len(heard) > 3
+
+    async with running(listen):
+        first = start_process()
+        await until(some, 15.0)
+        old = heard[-1]
+        second = start_process()
+        clients = (await bus.redis.info("clients"))["connected_clients"]
+
+        async def stands_by() -> bool:
+            return (await bus.redis.info("clients"))["connected_clients"] > clients
+
+        await until(stands_by, 15.0)
+        first.send_signal(signal.SIGSTOP)
+
+        async def taken_over() -> bool:
+            return heard[-1].epoch > old.epoch
+
+        assert await until(taken_over) < 2.0
+        new_epoch, so_far = heard[-1].epoch, len(heard)
+        first.send_signal(signal.SIGCONT)
+
+        async def a_second_of_commands() -> bool:
+            return len(heard) > so_far + 10
+
+        await until(a_second_of_commands)
+        assert {command.epoch for command in heard[so_far:]} == {new_epoch}
+        assert gate.counts[Verdict.OLD_EPOCH] == gate.counts[Verdict.OLD] == 0
+        # What the older brain might still have on the way is refused.
+        late = old.model_copy(update={"sequence": 10**6, "deadline_ns": time.time_ns() + SECOND})
+        assert gate.offer(late, time.time_ns(), time.monotonic()) is Verdict.OLD_EPOCH
+        assert gate.current is not None
+        assert gate.current.epoch == new_epoch
+        second.send_signal(signal.SIGKILL)
+
+        async def back() -> bool:
+            return heard[-1].epoch > new_epoch
+
+        assert await until(back) < 2.0
+
+
+async def test_the_next_of_the_queue_begins_and_the_speed_zones_drawn_count(bus: Bus) -> None:
+    await plan(bus)
+    entry = QueuedRoute(id="next", route="r", queued_ns=1, queued_by="anna")
+    over = assignment(state=AssignmentState.DONE).model_copy(update={"queue": (entry,)})
+    zone = SpeedZone(id="slow", outline=((0.0, 0.0), (3.0, 0.0), (3.0, 3.0), (0.0, 3.0)), speed_mps=0.1)
+    await bus.redis.hset(keys.ASSIGNMENTS, ROBOT, encode(over))  # pyright: ignore[reportGeneralTypeIssues]
+    await bus.redis.hset(keys.SPEED_ZONES, "slow", encode(zone))  # pyright: ignore[reportGeneralTypeIssues]
+    async with running(lambda: keep_seen(bus)), running(service(bus).run):
+
+        async def begun() -> bool:
+            return (await assigned(bus)).id == "next"
+
+        await until(begun)
+
+        async def drives() -> bool:
+            said = await command(bus)
+            return said is not None and said.movement is Movement.MOVE_TO
+
+        await until(drives)
+        said = await command(bus)
+        assert said is not None
+        assert said.speed_mps <= 0.1
+    after = await assigned(bus)
+    assert (after.started_by, after.queue) == ("anna", ())
 
 
 async def test_sigterm_ends_it_at_once_and_frees_the_lease(

@@ -192,7 +192,7 @@ export interface paths {
         post?: never;
         /**
          * Stop the route
-         * @description Ends the route for good; the robot holds still.
+         * @description Ends the route for good and empties the queue; the robot holds still.
          */
         delete: operations["stop_route"];
         options?: never;
@@ -235,6 +235,113 @@ export interface paths {
          */
         post: operations["resume_route"];
         delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/robots/{robot_id}/assignment/skip": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Skip a leg
+         * @description The robot goes on with the next leg from where it is; the stay at the end of this one is left out too. Skipping the last
+         *     leg ends the route, and the next of the queue begins.
+         */
+        post: operations["skip_leg"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/robots/{robot_id}/assignment/proceed": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Let it go on from a stop
+         * @description Confirms what a robot stays for at the end of a leg (a load taken, a charge that suffices). Refused while it does not
+         *     stay anywhere.
+         */
+        post: operations["proceed"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/robots/{robot_id}/assignment/cancel": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Cancel the route
+         * @description Ends the route, also one that failed, and the next of the queue begins.
+         */
+        post: operations["cancel_route"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/robots/{robot_id}/queue": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Queue a route
+         * @description The robot drives the route after all that it has to do; a looped route ends at the end of its lap when something is
+         *     queued. With nothing to do it begins at once, and is refused as a start is.
+         */
+        post: operations["queue_route"];
+        /**
+         * Empty the queue
+         * @description What is being driven goes on.
+         */
+        delete: operations["empty_queue"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/robots/{robot_id}/queue/{entry_id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post?: never;
+        /**
+         * Take a route out of the queue
+         * @description By the id of its entry.
+         */
+        delete: operations["dequeue_route"];
         options?: never;
         head?: never;
         patch?: never;
@@ -397,6 +504,54 @@ export interface paths {
          * @description Refused while it is being driven.
          */
         delete: operations["delete_route"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/speed-zones": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * All speed zones
+         * @description Those of the lab description too.
+         */
+        get: operations["list_speed_zones"];
+        put?: never;
+        /**
+         * Draw a speed zone
+         * @description Robots in it slow down at once. Refused when the id is taken.
+         */
+        post: operations["create_speed_zone"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/speed-zones/{zone_id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        /**
+         * Change a speed zone
+         * @description Replaces it as a whole, or draws it. Refused when it is part of the lab description.
+         */
+        put: operations["put_speed_zone"];
+        post?: never;
+        /**
+         * Delete a speed zone
+         * @description Refused when it is part of the lab description.
+         */
+        delete: operations["delete_speed_zone"];
         options?: never;
         head?: never;
         patch?: never;
@@ -804,6 +959,9 @@ export interface components {
         /**
          * Assignment
          * @description A route given to a robot, and how far it has come. Durable: it survives every restart.
+         *
+         *     `queue` holds the routes that follow, first in, first out. They begin when this one is done or cancelled; after a failure
+         *     they wait for a person.
          */
         Assignment: {
             /** Id */
@@ -829,6 +987,17 @@ export interface components {
              * @default 1
              */
             speed_scale: number;
+            /**
+             * At Stop Ns
+             * @description Since when the robot is at the end of its leg, where it stays a while; null on the way.
+             */
+            at_stop_ns?: number | null;
+            /**
+             * Proceed
+             * @description Whether a person has let it go on from where it stays.
+             * @default false
+             */
+            proceed: boolean;
             /** Started Ns */
             started_ns: number;
             /** Changed Ns */
@@ -843,6 +1012,11 @@ export interface components {
              * @default
              */
             reason: string;
+            /**
+             * Queue
+             * @default []
+             */
+            queue: components["schemas"]["QueuedRoute"][];
         };
         /**
          * AssignmentState
@@ -1299,6 +1473,20 @@ export interface components {
          */
         Connection: "ONLINE" | "OFFLINE" | "CONNECTION_BROKEN";
         /**
+         * ControlSpec
+         * @description Which controller drives the vehicle (None: the agent's default), and the settings of each that differ from its kind's.
+         */
+        ControlSpec: {
+            /** Controller */
+            controller?: ("gpss" | "go_to_goal" | "frenet") | null;
+            /** @default {} */
+            gpss: components["schemas"]["GpssControl"];
+            /** @default {} */
+            go_to_goal: components["schemas"]["GoToGoalControl"];
+            /** @default {} */
+            frenet: components["schemas"]["FrenetControl"];
+        };
+        /**
          * Decision
          * @description The proposal that is meant: the `id` of its calibration.
          * @example {
@@ -1308,6 +1496,28 @@ export interface components {
         Decision: {
             /** Id */
             id: number;
+        };
+        /**
+         * Detours
+         * @description Whether a robot drives around what blocks it, how long it waits before that (s), and what it keeps free beside itself
+         *     then (m).
+         */
+        Detours: {
+            /**
+             * Enabled
+             * @default true
+             */
+            enabled: boolean;
+            /**
+             * After S
+             * @default 3
+             */
+            after_s: number;
+            /**
+             * Clearance M
+             * @default 0.3
+             */
+            clearance_m: number;
         };
         /**
          * EmergencyStop
@@ -1444,6 +1654,52 @@ export interface components {
             };
         };
         /**
+         * FrenetControl
+         * @description Of the path-following controller.
+         */
+        FrenetControl: {
+            /** Corner Cut M */
+            corner_cut_m?: number | null;
+            /** Settle M */
+            settle_m?: number | null;
+            /** Settle S */
+            settle_s?: number | null;
+            /** Bend S */
+            bend_s?: number | null;
+            /** Lead S */
+            lead_s?: number | null;
+            /** Braking Mps2 */
+            braking_mps2?: number | null;
+            /** Lateral Mps2 */
+            lateral_mps2?: number | null;
+            /** Approach Per S */
+            approach_per_s?: number | null;
+            /** Tolerance M */
+            tolerance_m?: number | null;
+            /** Turn Above Rad */
+            turn_above_rad?: number | null;
+        };
+        /**
+         * GoToGoalControl
+         * @description Of the WifiBots' controller.
+         */
+        GoToGoalControl: {
+            /** Accept M */
+            accept_m?: number | null;
+            /** Gain Per S */
+            gain_per_s?: number | null;
+            /** Turn Above Rad */
+            turn_above_rad?: number | null;
+        };
+        /**
+         * GpssControl
+         * @description Of the report's controller; the report's own constants are not for setting.
+         */
+        GpssControl: {
+            /** Beyond M */
+            beyond_m?: number | null;
+        };
+        /**
          * GuidanceView
          * @description How guidance sees the robot: the obstacle box and what is in it, the temporary waypoint and the path ahead.
          */
@@ -1469,6 +1725,14 @@ export interface components {
             ] | null;
             /** Path */
             path: [
+                number,
+                number
+            ][];
+            /**
+             * Detour
+             * @description What is left of its way around something, or out of the way; empty on its route.
+             */
+            detour: [
                 number,
                 number
             ][];
@@ -1613,10 +1877,18 @@ export interface components {
         };
         /**
          * Leg
-         * @description One leg of a route: the waypoint it ends at and the speed set-point on the way there.
+         * @description One leg of a route: the waypoint it ends at, the speed set-point on the way there, and what happens at its end.
+         *
+         *     `movement` `MoveTo` drives there; `Rotate` only turns, where the robot stands, to the heading of the leg's end or, without
+         *     one, towards the waypoint. A leg with a heading, a stay, an action or a confirmation ends at rest.
          * @example {
          *       "speed_mps": 0.3,
          *       "waypoint": "charger"
+         *     }
+         * @example {
+         *       "action": "pick_up",
+         *       "dwell_s": 5,
+         *       "waypoint": "shelf"
          *     }
          */
         Leg: {
@@ -1627,10 +1899,41 @@ export interface components {
              * @default 0.3
              */
             speed_mps: number;
+            /**
+             * Movement
+             * @default MoveTo
+             * @enum {string}
+             */
+            movement: "MoveTo" | "Rotate";
+            /**
+             * Yaw
+             * @description Heading to end with (rad); null: the waypoint's.
+             */
+            yaw?: number | null;
+            /**
+             * Dwell S
+             * @description How long the robot stays at the leg's end, at least.
+             * @default 0
+             */
+            dwell_s: number;
+            action?: components["schemas"]["StopAction"] | null;
+            /**
+             * Confirm
+             * @description Whether it stays until a person lets it go on.
+             * @default false
+             */
+            confirm: boolean;
+            /**
+             * Charge To
+             * @description The share of full charge at which charging ends; without a battery to read, `dwell_s` decides.
+             * @default 0.9
+             */
+            charge_to: number;
         };
         /**
          * Limits
-         * @description What a vehicle can do: m/s, rad/s, m/s^2, rad/s^2.
+         * @description What a vehicle can do: m/s, rad/s, m/s^2, rad/s^2; and how suddenly its controllers may change that, m/s^3, rad/s^3.
+         *     Emergency stops brake at once and fully.
          */
         Limits: {
             /**
@@ -1658,6 +1961,16 @@ export interface components {
              * @default 4
              */
             yaw_acceleration_radps2: number;
+            /**
+             * Jerk Mps3
+             * @default 4
+             */
+            jerk_mps3: number;
+            /**
+             * Yaw Jerk Radps3
+             * @default 40
+             */
+            yaw_jerk_radps3: number;
         };
         /**
          * LiveChanges
@@ -1896,7 +2209,8 @@ export interface components {
         /**
          * ObstacleBox
          * @description The blue box in front of a robot (spec gpss): where it starts ahead of the rotation centre, its length along the
-         *     path and its width, in metres, and whether it ends at the next waypoint or runs past it.
+         *     path and its width, in metres, and whether it ends at the next waypoint or runs past it. `robots` and `unknown` say whether
+         *     other robots and floor that no camera sees count.
          */
         ObstacleBox: {
             /**
@@ -1919,6 +2233,16 @@ export interface components {
              * @default false
              */
             stop_at_waypoint: boolean;
+            /**
+             * Robots
+             * @default true
+             */
+            robots: boolean;
+            /**
+             * Unknown
+             * @default true
+             */
+            unknown: boolean;
         };
         /**
          * ObstaclesView
@@ -2092,6 +2416,28 @@ export interface components {
             last_error: string;
         };
         /**
+         * QueuedRoute
+         * @description A route that waits for a robot to be done with what it drives; its id becomes the assignment's.
+         */
+        QueuedRoute: {
+            /** Id */
+            id: string;
+            /** Route */
+            route: string;
+            /**
+             * Speed Scale
+             * @default 1
+             */
+            speed_scale: number;
+            /** Queued Ns */
+            queued_ns: number;
+            /**
+             * Queued By
+             * @default
+             */
+            queued_by: string;
+        };
+        /**
          * Reason
          * @description A code for machines and a sentence for people, e.g. ("obstacle", "0.42 m ahead at (3.1, 0.9)").
          */
@@ -2108,7 +2454,7 @@ export interface components {
          * @description Why a robot drives, waits or stands; machine-readable.
          * @enum {string}
          */
-        ReasonCode: "route" | "route_done" | "manual" | "idle" | "paused" | "obstacle" | "robot_ahead" | "emergency_stop" | "pose_stale" | "command_stale" | "obstacles_unknown" | "outside_area" | "waypoint_missing" | "not_connected" | "driver_fault";
+        ReasonCode: "route" | "detour" | "yielding" | "at_stop" | "route_done" | "manual" | "idle" | "paused" | "obstacle" | "robot_ahead" | "emergency_stop" | "pose_stale" | "command_stale" | "obstacles_unknown" | "outside_area" | "waypoint_missing" | "not_connected" | "driver_fault";
         /**
          * RedisView
          * @description Whether Redis answers.
@@ -2207,6 +2553,37 @@ export interface components {
             box_width_m?: number | null;
             /** Stop At Waypoint */
             stop_at_waypoint?: boolean | null;
+            /**
+             * Box Robots
+             * @description Whether other robots in the box count.
+             */
+            box_robots?: boolean | null;
+            /**
+             * Box Unknown
+             * @description Whether floor in the box that no camera sees counts.
+             */
+            box_unknown?: boolean | null;
+            /**
+             * Detours
+             * @description Whether it drives around what blocks it.
+             */
+            detours?: boolean | null;
+            /**
+             * Detour After S
+             * @description How long it waits before it looks for a way around.
+             */
+            detour_after_s?: number | null;
+            /**
+             * Detour Clearance M
+             * @description What it keeps free beside itself on a detour.
+             */
+            detour_clearance_m?: number | null;
+            /**
+             * Priority
+             * @description Among robots that wait for each other the one with the least yields; of equals the last by id.
+             * @default 0
+             */
+            priority: number;
         };
         /**
          * RobotState
@@ -2247,6 +2624,8 @@ export interface components {
             manual: components["schemas"]["ManualView"] | null;
             /** @description In force: the lab's, with the operator's settings over it. */
             obstacle_box: components["schemas"]["ObstacleBox"];
+            /** @description In force: whether and when it drives around what blocks it. */
+            detours: components["schemas"]["Detours"];
             /** @description What the operator has set; null falls back to the lab description. */
             settings: components["schemas"]["RobotSettings"];
         };
@@ -2400,6 +2779,44 @@ export interface components {
             speed_mps: number;
         };
         /**
+         * SpeedZone
+         * @description A part of the floor where robots drive no faster than `speed_mps`: an outline in metres, map frame. It holds for a robot
+         *     while any part of it is inside.
+         * @example {
+         *       "id": "doorway",
+         *       "outline": [
+         *         [
+         *           3,
+         *           1
+         *         ],
+         *         [
+         *           4,
+         *           1
+         *         ],
+         *         [
+         *           4,
+         *           2
+         *         ],
+         *         [
+         *           3,
+         *           2
+         *         ]
+         *       ],
+         *       "speed_mps": 0.2
+         *     }
+         */
+        SpeedZone: {
+            /** Id */
+            id: string;
+            /** Outline */
+            outline: [
+                number,
+                number
+            ][];
+            /** Speed Mps */
+            speed_mps: number;
+        };
+        /**
          * StageView
          * @description A stage of a kind of process, over all processes of that kind.
          */
@@ -2494,6 +2911,12 @@ export interface components {
             /** Command Age S */
             command_age_s: number | null;
         };
+        /**
+         * StopAction
+         * @description What a robot stops for.
+         * @enum {string}
+         */
+        StopAction: "pick_up" | "drop_off" | "charge";
         /**
          * Target
          * @description Where to drive, metres in the map frame, and the heading to end with (rad) if it matters.
@@ -2669,7 +3092,9 @@ export interface components {
              *       "yaw_rate_radps": 1,
              *       "acceleration_mps2": 0.5,
              *       "braking_mps2": 2,
-             *       "yaw_acceleration_radps2": 4
+             *       "yaw_acceleration_radps2": 4,
+             *       "jerk_mps3": 4,
+             *       "yaw_jerk_radps3": 40
              *     }
              */
             limits: components["schemas"]["Limits"];
@@ -2678,11 +3103,29 @@ export interface components {
              *       "start_m": 1,
              *       "length_m": 1,
              *       "width_m": 0.6,
-             *       "stop_at_waypoint": false
+             *       "stop_at_waypoint": false,
+             *       "robots": true,
+             *       "unknown": true
              *     }
              */
             obstacle_box: components["schemas"]["ObstacleBox"];
+            /**
+             * @default {
+             *       "enabled": true,
+             *       "after_s": 3,
+             *       "clearance_m": 0.3
+             *     }
+             */
+            detours: components["schemas"]["Detours"];
             ros2?: components["schemas"]["Ros2Base"] | null;
+            /**
+             * @default {
+             *       "gpss": {},
+             *       "go_to_goal": {},
+             *       "frenet": {}
+             *     }
+             */
+            control: components["schemas"]["ControlSpec"];
         };
         /**
          * VehicleTag
@@ -2789,7 +3232,9 @@ export type ChannelView = components['schemas']['ChannelView'];
 export type CommandView = components['schemas']['CommandView'];
 export type Condition = components['schemas']['Condition'];
 export type Connection = components['schemas']['Connection'];
+export type ControlSpec = components['schemas']['ControlSpec'];
 export type Decision = components['schemas']['Decision'];
+export type Detours = components['schemas']['Detours'];
 export type EmergencyStop = components['schemas']['EmergencyStop'];
 export type Engage = components['schemas']['Engage'];
 export type Event = components['schemas']['Event'];
@@ -2798,6 +3243,9 @@ export type ExtrinsicsView = components['schemas']['ExtrinsicsView'];
 export type FaultKind = components['schemas']['FaultKind'];
 export type FloorTagComparison = components['schemas']['FloorTagComparison'];
 export type FloorTags = components['schemas']['FloorTags'];
+export type FrenetControl = components['schemas']['FrenetControl'];
+export type GoToGoalControl = components['schemas']['GoToGoalControl'];
+export type GpssControl = components['schemas']['GpssControl'];
 export type GuidanceView = components['schemas']['GuidanceView'];
 export type HttpValidationError = components['schemas']['HTTPValidationError'];
 export type HealthSummary = components['schemas']['HealthSummary'];
@@ -2826,6 +3274,7 @@ export type PoseView = components['schemas']['PoseView'];
 export type Problem = components['schemas']['Problem'];
 export type ProblemView = components['schemas']['ProblemView'];
 export type ProcessState = components['schemas']['ProcessState'];
+export type QueuedRoute = components['schemas']['QueuedRoute'];
 export type Reason = components['schemas']['Reason'];
 export type ReasonCode = components['schemas']['ReasonCode'];
 export type RedisView = components['schemas']['RedisView'];
@@ -2843,10 +3292,12 @@ export type RunTimingsView = components['schemas']['RunTimingsView'];
 export type SeriesView = components['schemas']['SeriesView'];
 export type SessionView = components['schemas']['SessionView'];
 export type SimulatedObject = components['schemas']['SimulatedObject'];
+export type SpeedZone = components['schemas']['SpeedZone'];
 export type StageView = components['schemas']['StageView'];
 export type Start = components['schemas']['Start'];
 export type StartCalibration = components['schemas']['StartCalibration'];
 export type StatusView = components['schemas']['StatusView'];
+export type StopAction = components['schemas']['StopAction'];
 export type Target = components['schemas']['Target'];
 export type TimingRunView = components['schemas']['TimingRunView'];
 export type TokenView = components['schemas']['TokenView'];
@@ -3895,6 +4346,503 @@ export interface operations {
             };
         };
     };
+    skip_leg: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                robot_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Assignment"];
+                };
+            };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Its state forbids this; the detail says why. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    proceed: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                robot_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Assignment"];
+                };
+            };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Its state forbids this; the detail says why. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    cancel_route: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                robot_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Assignment"];
+                };
+            };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Its state forbids this; the detail says why. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    queue_route: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                robot_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["Start"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Assignment"];
+                };
+            };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Its state forbids this; the detail says why. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    empty_queue: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                robot_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Assignment"];
+                };
+            };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    dequeue_route: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                robot_id: string;
+                entry_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Assignment"];
+                };
+            };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     drive_by_hand: {
         parameters: {
             query?: never;
@@ -4741,6 +5689,303 @@ export interface operations {
             header?: never;
             path: {
                 route_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Its state forbids this; the detail says why. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_speed_zones: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SpeedZone"][];
+                };
+            };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    create_speed_zone: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["SpeedZone"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SpeedZone"];
+                };
+            };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Its state forbids this; the detail says why. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    put_speed_zone: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                zone_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["SpeedZone"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SpeedZone"];
+                };
+            };
+            /** @description The body is not JSON. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not logged in, or the token is not valid. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The role is too small, or a change by cookie lacks the header `X-Lilliput: 1`. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Its state forbids this; the detail says why. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+            /** @description Redis (or what else is needed) is out of reach; nothing was changed. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    delete_speed_zone: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                zone_id: string;
             };
             cookie?: never;
         };

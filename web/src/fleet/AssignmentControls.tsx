@@ -1,6 +1,12 @@
 /** Starts, pauses, resumes and stops a robot's route. */
 import { Anchor, Button, Group, Progress, Select, Slider, Stack, Text } from "@mantine/core";
-import { IconPlayerPause, IconPlayerPlay, IconPlayerStop } from "@tabler/icons-react";
+import {
+  IconPlayerPause,
+  IconPlayerPlay,
+  IconPlayerSkipForward,
+  IconPlayerStop,
+  IconPlayerTrackNext,
+} from "@tabler/icons-react";
 import { useState } from "react";
 import { Link } from "react-router";
 import { act } from "../api/action";
@@ -10,9 +16,16 @@ import { useLive } from "../live/store";
 import { Guarded } from "../ui/Guarded";
 import { describeProgress } from "./progress";
 import { isAssigned } from "./robot-state";
+import { RouteQueue } from "./RouteQueue";
 
 export function AssignmentControls({ robot }: { readonly robot: RobotView }) {
-  return isAssigned(robot) ? <Running robot={robot} /> : <Start robot={robot} />;
+  return (
+    <Stack gap="sm">
+      {isAssigned(robot) && <Running robot={robot} />}
+      <Start robot={robot} />
+      <RouteQueue robot={robot} />
+    </Stack>
+  );
 }
 
 function Running({ robot }: { readonly robot: RobotView }) {
@@ -26,6 +39,12 @@ function Running({ robot }: { readonly robot: RobotView }) {
     act(`Pausing ${robot.id}`, () => call("post", "/api/robots/{robot_id}/assignment/pause", { path }));
   const resume = () =>
     act(`Resuming ${robot.id}`, () => call("post", "/api/robots/{robot_id}/assignment/resume", { path }));
+  const skip = () =>
+    act(`Skipping a leg of ${robot.id}`, () => call("post", "/api/robots/{robot_id}/assignment/skip", { path }));
+  const cancel = () =>
+    act(`Cancelling ${robot.id}`, () => call("post", "/api/robots/{robot_id}/assignment/cancel", { path }));
+  const proceed = () =>
+    act(`Letting ${robot.id} go on`, () => call("post", "/api/robots/{robot_id}/assignment/proceed", { path }));
   const stop = () => act(`Stopping ${robot.id}`, () => call("delete", "/api/robots/{robot_id}/assignment", { path }));
   return (
     <Stack gap="xs">
@@ -72,6 +91,39 @@ function Running({ robot }: { readonly robot: RobotView }) {
           </Button>
         </Guarded>
       </Group>
+      <Group grow>
+        <Guarded>
+          <Button
+            fullWidth
+            size="xs"
+            variant="default"
+            leftSection={<IconPlayerSkipForward size={14} />}
+            data-testid="route-skip"
+            onClick={() => void skip()}
+          >
+            Skip leg
+          </Button>
+        </Guarded>
+        <Guarded>
+          <Button
+            fullWidth
+            size="xs"
+            variant="default"
+            leftSection={<IconPlayerTrackNext size={14} />}
+            data-testid="route-cancel"
+            onClick={() => void cancel()}
+          >
+            {assignment.queue.length > 0 ? "Next route" : "Cancel"}
+          </Button>
+        </Guarded>
+        {assignment.at_stop_ns !== null && assignment.at_stop_ns !== undefined && (
+          <Guarded>
+            <Button fullWidth size="xs" data-testid="route-proceed" onClick={() => void proceed()}>
+              Go on
+            </Button>
+          </Guarded>
+        )}
+      </Group>
     </Stack>
   );
 }
@@ -94,16 +146,13 @@ function Start({ robot }: { readonly robot: RobotView }) {
   const last = robot.assignment?.route;
   const route =
     chosen !== null && chosen in routes ? chosen : last !== undefined && last in routes ? last : (ids[0] ?? "");
-  const start = () =>
-    act(`Starting ${route}`, () =>
-      call("put", "/api/robots/{robot_id}/assignment", {
-        path: { robot_id: robot.id },
-        body: { route, speed_scale: percent / 100 },
-      }),
-    );
+  const isBusy = isAssigned(robot);
+  const order = { path: { robot_id: robot.id }, body: { route, speed_scale: percent / 100 } };
+  const start = () => act(`Starting ${route}`, () => call("put", "/api/robots/{robot_id}/assignment", order));
+  const queue = () => act(`Queueing ${route}`, () => call("post", "/api/robots/{robot_id}/queue", order));
   return (
     <Stack gap="sm">
-      {robot.assignment && (
+      {robot.assignment && !isBusy && (
         <Text size="xs" c="dimmed">
           Last: {describeProgress(robot.assignment, routes[robot.assignment.route]).text}
         </Text>
@@ -119,9 +168,15 @@ function Start({ robot }: { readonly robot: RobotView }) {
           data-testid="route-select"
         />
         <Guarded>
-          <Button leftSection={<IconPlayerPlay size={16} />} data-testid="route-start" onClick={() => void start()}>
-            Start
-          </Button>
+          {isBusy ? (
+            <Button variant="default" data-testid="route-queue-add" onClick={() => void queue()}>
+              Queue
+            </Button>
+          ) : (
+            <Button leftSection={<IconPlayerPlay size={16} />} data-testid="route-start" onClick={() => void start()}>
+              Start
+            </Button>
+          )}
         </Guarded>
       </Group>
       <div>

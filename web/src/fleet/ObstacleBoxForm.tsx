@@ -12,7 +12,7 @@ const FIELDS = [
   { key: "width_m", label: "Width", minimum: 0.05 },
 ] as const;
 
-const LAB_DEFAULTS: RobotSettings = {
+const LAB_DEFAULTS = {
   box_start_m: null,
   box_length_m: null,
   box_width_m: null,
@@ -22,7 +22,7 @@ const LAB_DEFAULTS: RobotSettings = {
 export function ObstacleBoxForm({ robot }: { readonly robot: RobotView }) {
   const [edits, setEdits] = useState<Partial<ObstacleBox>>({});
   const box = { ...robot.obstacle_box, ...edits };
-  const isSet = Object.values(robot.settings).some((value) => value !== null);
+  const isSet = Object.keys(LAB_DEFAULTS).some((key) => robot.settings[key as keyof typeof LAB_DEFAULTS] !== null);
 
   const save = async (settings: RobotSettings) => {
     const done = await act(`The obstacle box of ${robot.id}`, () =>
@@ -33,6 +33,7 @@ export function ObstacleBoxForm({ robot }: { readonly robot: RobotView }) {
     showDone(`Obstacle box of ${robot.id} changed`);
   };
   const settings: RobotSettings = {
+    ...robot.settings,
     box_start_m: box.start_m,
     box_length_m: box.length_m,
     box_width_m: box.width_m,
@@ -66,7 +67,7 @@ export function ObstacleBoxForm({ robot }: { readonly robot: RobotView }) {
       />
       <Group justify="space-between">
         <Guarded>
-          <Button size="xs" variant="subtle" disabled={!isSet} onClick={() => void save(LAB_DEFAULTS)}>
+          <Button size="xs" variant="subtle" disabled={!isSet} onClick={() => void save({ ...robot.settings, ...LAB_DEFAULTS })}>
             Back to the lab&apos;s
           </Button>
         </Guarded>

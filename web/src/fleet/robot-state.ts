@@ -18,6 +18,9 @@ const WORDS: Readonly<Record<RobotState, readonly [Tone, string]>> = {
 /** What a reason means when it comes without a sentence of its own. */
 const SENTENCES: Readonly<Record<ReasonCode, string>> = {
   route: "on its route",
+  detour: "drives around something",
+  yielding: "lets another robot pass",
+  at_stop: "stays at a stop of its route",
   route_done: "its route is done",
   manual: "driven by hand",
   idle: "no route assigned",

@@ -84,10 +84,10 @@ export class RobotMarks {
     });
   }
 
-  /** Carrot and path ahead of every robot that has one. */
-  orders(): { robot: string; carrot: Point | null; path: readonly Point[] }[] {
-    return [...this.entries.values()].flatMap(({ robot }) =>
-      robot.guidance ? { robot: robot.id, carrot: robot.guidance.carrot, path: robot.guidance.path } : [],
+  /** Carrot, path ahead and detour of every robot that has one. */
+  orders(): { robot: string; carrot: Point | null; path: readonly Point[]; detour: readonly Point[] }[] {
+    return [...this.entries.values()].flatMap(({ robot: { id, guidance } }) =>
+      guidance ? { robot: id, carrot: guidance.carrot, path: guidance.path, detour: guidance.detour } : [],
     );
   }
 
@@ -120,7 +120,7 @@ function appearance(robot: RobotView, serverMs: number): string {
   const { tone } = summarize(robot);
   const { guidance } = robot;
   const shape = guidance
-    ? [guidance.box, guidance.carrot, guidance.path].flat(2).map((value) => value?.toFixed(2))
+    ? [guidance.box, guidance.carrot, guidance.path, guidance.detour].flat(2).map((value) => value?.toFixed(2))
     : [];
   const stale = age > STALE_MS ? wholeSeconds(age) : freshness(0);
   return [tone, robot.reason?.text, guidance?.blocked, stale, ...shape].join(" ");

@@ -5,6 +5,7 @@ import type { LabView, RobotView, SimulatedObject, Waypoint } from "../api/types
 import { isAssigned } from "../fleet/robot-state";
 import { contains, type Point } from "../geometry/points";
 import { liveStore } from "../live/store";
+import { plainLeg } from "../routes/leg";
 import { offerUndo } from "./undo";
 
 const RADIUS_M = 0.15;
@@ -109,7 +110,7 @@ export async function sendRobot(lab: LabView, robot: RobotView, point: Point): P
   return act(`Sending ${robot.id}`, async () => {
     if (isAssigned(robot)) await call("delete", "/api/robots/{robot_id}/assignment", { path });
     await call("put", "/api/waypoints/{waypoint_id}", { path: { waypoint_id: id }, body: waypointAt(lab, id, point) });
-    const route = { id, legs: [{ waypoint: id, speed_mps: 0.3 }], loop: false };
+    const route = { id, legs: [plainLeg(id, 0.3)], loop: false };
     await call("put", "/api/routes/{route_id}", { path: { route_id: id }, body: route });
     await call("put", "/api/robots/{robot_id}/assignment", { path, body: { route: id, speed_scale: 1 } });
   });

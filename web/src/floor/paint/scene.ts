@@ -66,7 +66,10 @@ export interface Traffic {
 /** Robots and what is in front of them. */
 export function paintTraffic(pen: Pen, { palette, robots, layers, selected, nowMs }: Traffic): void {
   if (layers.routes)
-    for (const { robot, path } of robots.orders()) if (robot === selected) pen.line(path, palette.box, 2, [2, 5]);
+    for (const { robot, path, detour } of robots.orders()) {
+      if (robot === selected) pen.line(path, palette.box, 2, [2, 5]);
+      if (detour.length > 1) pen.line(detour, palette.tones.waiting, 3, [10, 6]);
+    }
   if (layers.boxes) {
     for (const box of robots.boxes()) paintBox(pen, palette, box);
     for (const { carrot } of robots.orders()) if (carrot) paintCarrot(pen, palette, carrot);
