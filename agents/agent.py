@@ -39,7 +39,7 @@ from agents.protection import RangeScan
 from agents.safety import ODOMETRY_LIMIT_S, Verdict
 from protocol.clock import Clock
 from protocol.lab import Lab, VehicleSpec
-from protocol.messages import Command, EmergencyStop, Status, TrackedPose
+from protocol.messages import Command, EmergencyStop, Movement, Status, TrackedPose
 
 CONTROL_RATE_HZ = 20.0
 STATUS_RATE_HZ = 10.0
@@ -192,6 +192,8 @@ class Agent:
                 self._order_trouble.note("commands come after their deadline; do the clocks of robot and server agree?")
             case Verdict.FOREIGN:
                 self._order_trouble.note(f"commands for {command.robot} come here")
+            case Verdict.OBEYED if command.movement in (Movement.WAITING, Movement.NO_ACTION):
+                self._stop_now()  # without waiting for the next round
             case _:
                 pass
 

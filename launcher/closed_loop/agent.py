@@ -8,9 +8,10 @@ from agents.drivers.sim import range_scan
 from agents.estimation import DEFAULT_ESTIMATOR, ESTIMATORS
 from agents.motion import STOP, Twist
 from agents.pilot import Decision, Pilot
+from agents.safety import Verdict
 from geometry import SE2
 from protocol.lab import Lab, VehicleSpec
-from protocol.messages import Command, EmergencyStop, Odometry, Scan, Status, TrackedPose
+from protocol.messages import Command, EmergencyStop, Movement, Odometry, Scan, Status, TrackedPose
 
 
 class SimulatedAgent:
@@ -36,7 +37,9 @@ class SimulatedAgent:
         """The server's stream of events."""
         for message in messages:
             if isinstance(message, Command):
-                self.pilot.command(message, now_ns, now_s)
+                verdict = self.pilot.command(message, now_ns, now_s)
+                if verdict is Verdict.OBEYED and message.movement in (Movement.WAITING, Movement.NO_ACTION):
+                    self._send(STOP)
             elif self.pilot.emergency_stop(message):
                 self._send(STOP)
 

@@ -180,6 +180,19 @@ async def test_stops_half_a_second_after_poses_fall_silent(world: World) -> None
     await world.moving()
 
 
+async def test_an_order_to_wait_is_obeyed_at_once(world: World) -> None:
+    world.go()
+    await world.moving()
+    world.order = None
+    before = len(world.base.setpoints)
+    command = world.orders.waiting(world.clock.now_ns())
+    assert world.agent is not None
+    world.server.send(command)
+    await until(lambda: any(t == STOP for _, t in world.base.setpoints[before:]), "the stop")
+    await world.still()
+    assert world.agent.pilot.gate.current == command
+
+
 async def test_an_emergency_stop_stops_at_once_and_holds_until_released(world: World) -> None:
     world.go()
     await world.moving()
