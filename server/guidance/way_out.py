@@ -24,6 +24,8 @@ from server.guidance.route_plan import RoutePlan
 from server.planning import FreeSpace, Needs, ShortestWays, straightened
 
 _SAMPLE_M = 0.05
+_FARTHEST_M = 30.0
+"""Beyond what is looked at, however long a leg is."""
 _CLEAR_AFTER_M = 0.3
 """How far the route must have room beyond the place where a detour comes back to it."""
 _HORIZON_M = 6.0
@@ -160,7 +162,7 @@ def _space(blocked: Blocked, floor: Floor, points: Sequence[Point], parameters: 
 def _back_on(line: Line, place: Point | None, space: FreeSpace, ways: ShortestWays) -> float | None:
     """Where along the leg the cheapest way comes back to it: beyond the place that blocks it, with room there and a little
     further; None where it does not on this leg."""
-    marks = np.append(np.arange(0.0, line.length_m, _SAMPLE_M), line.length_m)
+    marks = np.append(np.arange(0.0, min(line.length_m, _FARTHEST_M), _SAMPLE_M), line.length_m)
     points = [line.at(float(mark)) for mark in marks]
     roomy = space.roomy(points)
     further = int(_CLEAR_AFTER_M / _SAMPLE_M)

@@ -4,7 +4,7 @@ import math
 
 import pytest
 import shapely
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from shapely.geometry import Point, Polygon
 
@@ -192,6 +192,7 @@ def request(points: list[tuple[float, float]], yaw: float, present: float, speed
     return BoxRequest(SE2(*points[0], yaw), PlannedPath(points, way_m), size, SPEC, speed, present, PARAMETERS)
 
 
+@settings(max_examples=40, deadline=None)
 @given(
     points=way, yaw=st.floats(-3.1, 3.1), present=st.floats(-0.8, 0.8), speed=st.floats(0.0, 0.8), stop=st.booleans()
 )
@@ -215,6 +216,7 @@ def test_a_straight_box_is_drawn_as_it_is_without_computing_it(yaw: float, stop:
 pieces = st.lists(st.tuples(st.floats(0.0, 7.5), st.floats(0.0, 3.8)), max_size=4)
 
 
+@settings(max_examples=40, deadline=None)
 @given(
     pallets=pieces,
     hidden=pieces,

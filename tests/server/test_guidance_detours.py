@@ -39,7 +39,7 @@ def drive(simulation: Simulation, limit_s: float = 90.0, robots: Sequence[str] =
     while simulation.elapsed_s < limit_s:
         if all(simulation.assignments[robot].state is not AssignmentState.RUNNING for robot in robots):
             break
-        simulation.run(0.05)
+        simulation.run(0.1)
         bodies = [body(simulation, robot) for robot in simulation.robots]
         for index, one in enumerate(bodies):
             for other in [*(Polygon(pallet) for pallet in simulation.pallets), *bodies[index + 1 :]]:
@@ -96,9 +96,8 @@ def test_it_comes_back_onto_the_line_behind_the_pallet() -> None:
     assert max(beside) < 0.05
 
 
-@pytest.mark.parametrize("loop", [False, True])
-def test_a_pallet_behind_a_corner_is_driven_around_through_the_waypoint(loop: bool) -> None:
-    simulation = start(Course([(3.0, 1.0), (3.0, 3.6), (1.0, 3.6)], loop=loop), Robot(ROBOT, 1.0, 1.0))
+def test_a_pallet_behind_a_corner_is_driven_around_through_the_waypoint() -> None:
+    simulation = start(Course([(3.0, 1.0), (3.0, 3.6), (1.0, 3.6)], loop=True), Robot(ROBOT, 1.0, 1.0))
     simulation.pallets = [square(3.0, 2.3)]
     nearest = math.inf
     while simulation.elapsed_s < 60 and (simulation.assignments[ROBOT].leg, simulation.assignments[ROBOT].laps) < (
@@ -123,13 +122,13 @@ def test_a_pallet_behind_a_corner_is_driven_around_through_the_waypoint(loop: bo
 def test_without_a_way_it_waits_and_says_so(pallets: list[Pallet], words: str) -> None:
     simulation = start()
     simulation.pallets = pallets
-    nearest = drive(simulation, 30.0)
+    nearest = drive(simulation, 19.0)
     assert simulation.movement() is Movement.WAITING
     assert words in reason(simulation)
     assert "m ahead" in reason(simulation)
     assert nearest >= 0.3
     still = simulation.robots[ROBOT].pose
-    simulation.run(4.0)
+    simulation.run(2.0)
     assert simulation.robots[ROBOT].pose.distance_to(still) < 0.01
     simulation.pallets = []
     drive(simulation)
@@ -140,7 +139,7 @@ def test_nobody_drives_around_who_is_not_to() -> None:
     simulation = start()
     simulation.settings = {ROBOT: RobotSettings(detours=False)}
     simulation.pallets = [square(3.5, 2.0)]
-    simulation.run(25.0)
+    simulation.run(10.0)
     assert simulation.movement() is Movement.WAITING
     simulation.settings = {ROBOT: RobotSettings(detour_after_s=0.5, detour_clearance_m=0.15)}
     assert drive(simulation) >= 0.1
@@ -188,14 +187,14 @@ def test_a_parked_robot_is_driven_around_and_one_that_drives_is_not() -> None:
     assert done(parked)
     ahead = start(Course([(7.0, 2.0)], radius=1.0), Robot(ROBOT, 1.0, 2.0), Robot(OTHER, 2.0, 2.0))
     ahead.assignments[OTHER] = ahead.assignments[OTHER].model_copy(update={"speed_scale": 0.3})
-    ahead.run(20.0)
+    ahead.run(8.0)
     assert not any("robot_detour" in event for event in ahead.events)
 
 
 @pytest.mark.parametrize("priorities", [(0, 0), (0, 3)])
 def test_of_robots_nose_to_nose_one_yields_by_the_rule_and_both_arrive(priorities: tuple[int, int]) -> None:
     course = Course([(6.0, 2.0), (1.0, 2.0)])
-    simulation = start(course, Robot(ROBOT, 1.0, 2.0), Robot(OTHER, 6.0, 2.02, math.pi))
+    simulation = start(course, Robot(ROBOT, 2.4, 2.0), Robot(OTHER, 4.6, 2.02, math.pi))
     simulation.assignments[OTHER] = simulation.assignments[OTHER].model_copy(update={"leg": 1})
     simulation.assignments[ROBOT] = simulation.assignments[ROBOT].model_copy(update={"state": AssignmentState.RUNNING})
     simulation.settings = {
@@ -215,10 +214,9 @@ NARROW = corridor((0.0, 1.6, 8.0, 2.4), (3.0, 1.6, 4.0, 3.4))
 """A corridor for one robot with a niche."""
 
 
-@pytest.mark.parametrize(("at", "meet"), [(2.2, 6.0), (4.6, 7.0)])
-def test_in_a_corridor_one_makes_way_in_a_niche_and_comes_back(at: float, meet: float) -> None:
+def test_in_a_corridor_one_makes_way_in_a_niche_and_comes_back() -> None:
     course = Course([(7.5, 2.0), (0.5, 2.0)])
-    simulation = start(course, Robot(ROBOT, at - 1.0, 2.0), Robot(OTHER, meet, 2.0, math.pi), lab=NARROW)
+    simulation = start(course, Robot(ROBOT, 3.6, 2.0), Robot(OTHER, 6.6, 2.0, math.pi), lab=NARROW)
     simulation.assignments[OTHER] = simulation.assignments[OTHER].model_copy(update={"leg": 1})
     nearest = drive(simulation, 150.0, (OTHER,))
     told = [event for event in simulation.events if event.startswith("deadlock")]
@@ -234,13 +232,13 @@ def test_in_a_corridor_one_makes_way_in_a_niche_and_comes_back(at: float, meet: 
 def test_in_a_corridor_without_room_nobody_moves_and_a_person_is_called_once() -> None:
     course = Course([(7.5, 2.0), (0.5, 2.0)])
     tube = corridor((0.0, 1.6, 8.0, 2.4))
-    simulation = start(course, Robot(ROBOT, 2.0, 2.0), Robot(OTHER, 6.0, 2.0, math.pi), lab=tube)
+    simulation = start(course, Robot(ROBOT, 3.0, 2.0), Robot(OTHER, 5.0, 2.0, math.pi), lab=tube)
     simulation.assignments[OTHER] = simulation.assignments[OTHER].model_copy(update={"leg": 1})
-    simulation.run(30.0)
+    simulation.run(18.0)
     told = [event.split(":")[0] for event in simulation.events if event.startswith("deadlock")]
     assert told == ["deadlock", "deadlock_unresolved"]
     places = [robot.pose for robot in simulation.robots.values()]
-    simulation.run(5.0)
+    simulation.run(2.0)
     assert all(
         robot.pose.distance_to(place) < 0.01 for robot, place in zip(simulation.robots.values(), places, strict=True)
     )

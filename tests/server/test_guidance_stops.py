@@ -74,7 +74,7 @@ def test_another_guidance_goes_on_with_the_stay() -> None:
 def test_a_stop_to_be_confirmed_lasts_until_somebody_does() -> None:
     simulation = start({1: {"action": "drop_off", "confirm": True}})
     until_at_stop(simulation)
-    simulation.run(10.0)
+    simulation.run(4.0)
     assert (now(simulation).leg, code(simulation)) == (1, ReasonCode.AT_STOP)
     simulation.assignments[ROBOT] = now(simulation).model_copy(update={"proceed": True})
     simulation.run(0.3)
@@ -87,7 +87,7 @@ def test_charging_lasts_until_the_battery_is_charged(battery: float | None) -> N
     simulation = start({2: {"action": "charge", "charge_to": 0.8, "dwell_s": 1.0}})
     simulation.battery = battery
     until_at_stop(simulation)
-    simulation.run(5.0)
+    simulation.run(2.0)
     if battery is None:  # nothing to read: the dwell time decides
         assert now(simulation).state is AssignmentState.DONE
         return

@@ -97,6 +97,7 @@ DURABLE = (
     keys.ROUTES,
     keys.ASSIGNMENTS,
     keys.ROBOT_SETTINGS,
+    keys.SPEED_ZONES,
     keys.CALIBRATIONS,
     keys.CALIBRATION_PROPOSALS,
     keys.SIMULATED_OBJECTS,
@@ -173,7 +174,7 @@ def test_the_service_keeps_to_its_document(case: schemathesis.Case[Any], base: B
     case.cookies.clear()
     case.headers.pop("Authorization", None)
     checks = _checks()
-    if case.operation.path.startswith("/api/sim/objects"):
+    if case.operation.path.startswith(("/api/sim/objects", "/api/speed-zones")):
         # schemathesis 4.32 rewrites prefixItems of request bodies in place, and then cannot read the answer's schema.
         checks.remove(response_schema_conformance)
     before = base.state()

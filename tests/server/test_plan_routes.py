@@ -228,7 +228,13 @@ async def test_settings_of_a_robot(operator: httpx.AsyncClient) -> None:
     answer = await operator.put(path, json={"box_length_m": 1.5, "stop_at_waypoint": True})
     assert answer.status_code == 200
     robot = (await operator.get(f"/api/robots/{OTHER_ROBOT}")).json()
-    assert robot["obstacle_box"] == {"start_m": 0.2, "length_m": 1.5, "width_m": 0.45, "stop_at_waypoint": True}
+    box = {"start_m": 0.2, "length_m": 1.5, "width_m": 0.45, "stop_at_waypoint": True, "robots": True, "unknown": True}
+    assert robot["obstacle_box"] == box
+    assert robot["detours"] == {"enabled": True, "after_s": 3.0, "clearance_m": 0.3}
+    await operator.put(path, json={"detours": False, "box_robots": False, "detour_after_s": 5.0})
+    robot = (await operator.get(f"/api/robots/{OTHER_ROBOT}")).json()
+    assert (robot["detours"]["enabled"], robot["detours"]["after_s"]) == (False, 5.0)
+    assert robot["obstacle_box"]["robots"] is False
     for bad in ({"box_length_m": -1}, {"box_width_m": 0}, {"length": 1}):
         assert (await operator.put(path, json=bad)).status_code == 422
     assert (await operator.put("/api/robots/nobody/settings", json={})).status_code == 404

@@ -3,6 +3,7 @@ import type { Assignment, RobotView, Route } from "../src/api/types";
 import { describeProgress } from "../src/fleet/progress";
 import { freshness, isAssigned, poseAgeMs, summarize } from "../src/fleet/robot-state";
 import { deflectionAt } from "../src/fleet/Stick";
+import { plainLeg } from "../src/routes/leg";
 
 const robot = (parts: Partial<RobotView>) => ({ id: "r", reason: null, pose: null, ...parts }) as RobotView;
 
@@ -40,7 +41,7 @@ describe("progress on a route", () => {
   const route: Route = {
     id: "round",
     loop: true,
-    legs: ["a", "b", "c", "d"].map((waypoint) => ({ waypoint, speed_mps: 0.3 })),
+    legs: ["a", "b", "c", "d"].map((waypoint) => plainLeg(waypoint, 0.3)),
   };
   const assignment = (parts: Partial<Assignment>) =>
     ({ route: "round", state: "running", leg: 1, laps: 2, reason: "", ...parts }) as Assignment;

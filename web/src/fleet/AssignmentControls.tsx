@@ -116,7 +116,7 @@ function Running({ robot }: { readonly robot: RobotView }) {
             {assignment.queue.length > 0 ? "Next route" : "Cancel"}
           </Button>
         </Guarded>
-        {assignment.at_stop_ns !== null && assignment.at_stop_ns !== undefined && (
+        {typeof assignment.at_stop_ns === "number" && (
           <Guarded>
             <Button fullWidth size="xs" data-testid="route-proceed" onClick={() => void proceed()}>
               Go on

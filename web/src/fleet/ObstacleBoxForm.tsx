@@ -19,10 +19,12 @@ const LAB_DEFAULTS = {
   stop_at_waypoint: null,
 };
 
+const BOX_SETTINGS = ["box_start_m", "box_length_m", "box_width_m", "stop_at_waypoint"] as const;
+
 export function ObstacleBoxForm({ robot }: { readonly robot: RobotView }) {
   const [edits, setEdits] = useState<Partial<ObstacleBox>>({});
   const box = { ...robot.obstacle_box, ...edits };
-  const isSet = Object.keys(LAB_DEFAULTS).some((key) => robot.settings[key as keyof typeof LAB_DEFAULTS] !== null);
+  const isSet = BOX_SETTINGS.some((key) => robot.settings[key] !== null);
 
   const save = async (settings: RobotSettings) => {
     const done = await act(`The obstacle box of ${robot.id}`, () =>

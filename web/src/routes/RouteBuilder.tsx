@@ -7,7 +7,7 @@ import { ApiError, call } from "../api/client";
 import type { Leg, Route } from "../api/types";
 import { useLive } from "../live/store";
 import { Guarded } from "../ui/Guarded";
-import { plainLeg } from "./leg";
+import { legOf, plainLeg } from "./leg";
 import { LegList, type DraftLeg } from "./LegList";
 import classes from "./routes.module.css";
 import { StartOnRobot } from "./StartOnRobot";
@@ -43,7 +43,7 @@ export function RouteBuilder({ route, isNew, onSaved, onClose }: RouteBuilderPro
     change([...legs, { key: crypto.randomUUID(), ...plainLeg(waypoint, speed) }]);
   };
   const save = async () => {
-    const body: Route = { id, legs: legs.map(({ key: _, ...leg }) => leg), loop: isLoop };
+    const body: Route = { id, legs: legs.map(legOf), loop: isLoop };
     try {
       if (isNew) await call("post", "/api/routes", { body });
       else await call("put", "/api/routes/{route_id}", { path: { route_id: id }, body });
