@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 
-from agents.control import CONTROLLERS, DEFAULT_CONTROLLER
+from agents.control import CONTROLLERS, controller_name
 from agents.drivers import OdometryReading
 from agents.drivers.sim import range_scan
 from agents.estimation import DEFAULT_ESTIMATOR, ESTIMATORS
@@ -26,7 +26,7 @@ class SimulatedAgent:
         sequence: int = 0,
         estimator: str = DEFAULT_ESTIMATOR,
     ) -> None:
-        self.pilot = Pilot(lab, vehicle, ESTIMATORS[estimator](), CONTROLLERS[DEFAULT_CONTROLLER](vehicle.limits))
+        self.pilot = Pilot(lab, vehicle, ESTIMATORS[estimator](), CONTROLLERS[controller_name(vehicle)](vehicle))
         self.decision: Decision | None = None
         self._vehicle = vehicle
         self._send = send

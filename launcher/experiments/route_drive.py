@@ -31,8 +31,9 @@ from protocol.messages import (
     TrackedPose,
     TruePose,
 )
-from server.guidance.following import Progress, RouteFollower, RoutePlan, Sight, resolve
+from server.guidance.following import RouteFollower, Sight
 from server.guidance.parameters import GuidanceParameters
+from server.guidance.route_plan import Progress, RoutePlan, resolve
 from server.guidance.snapshot import extrapolated
 
 Array = NDArray[np.float64]

@@ -152,7 +152,8 @@ def test_covariances_stay_symmetric_and_positive() -> None:
     belief = Belief.at(np.zeros(3), 1e-6 * np.eye(3), constants, np.diag(noise.constants()))
     rng = np.random.default_rng(1)
     for _ in range(2000):
-        belief = predicted(belief, Motion(*(float(v) for v in rng.normal(0.0, 0.1, 3)), 0.05), noise)
+        dx, dy, dyaw = rng.normal(0.0, 0.1, 3).tolist()
+        belief = predicted(belief, Motion(dx, dy, dyaw, 0.05), noise)
         seen = belief.mean[:3] + rng.normal(0.0, 1e-3, 3)
         belief = updated(belief, Sight(seen, 1e-12 * np.eye(3), 0.0, rng.normal(0.0, 1.0, 3)), noise)
         assert np.array_equal(belief.covariance, belief.covariance.T)

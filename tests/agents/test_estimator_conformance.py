@@ -169,8 +169,19 @@ def test_a_base_that_floods_does_not_fill_the_memory(name: str) -> None:
 
 FINITE = st.floats(allow_nan=False, allow_infinity=False)
 STEP_NS = st.integers(-3_000 * MS, 3_000 * MS)
+
+
+def _reading(x: float, y: float, yaw: float, v: float, w: float, session: str) -> OdometryReading:
+    return OdometryReading(0, session, SE2(x, y, yaw), Twist(v, w))
+
+
+def _pose(x: float, y: float, yaw: float, xx: float, yy: float, tt: float, xy: float) -> TrackedPose:
+    covariance = (xx, xy, 0.0, yy, 0.0, tt)
+    return replace_message(tracked("r", SE2.identity(), 0), x=x, y=y, yaw=yaw, covariance=covariance)
+
+
 ANY_READING = st.builds(
-    lambda x, y, yaw, v, w, session: OdometryReading(0, session, SE2(x, y, yaw), Twist(v, w)),
+    _reading,
     FINITE | st.floats(-3, 3),
     FINITE | st.floats(-3, 3),
     FINITE,
@@ -180,9 +191,7 @@ ANY_READING = st.builds(
 )
 VARIANCE = st.floats(0.0, 1e-3) | FINITE
 ANY_POSE = st.builds(
-    lambda x, y, yaw, xx, yy, tt, xy: replace_message(
-        tracked("r", SE2.identity(), 0), x=x, y=y, yaw=yaw, covariance=(xx, xy, 0.0, yy, 0.0, tt)
-    ),
+    _pose,
     FINITE | st.floats(-3, 3),
     FINITE | st.floats(-3, 3),
     FINITE,

@@ -150,7 +150,8 @@ def running_system(
     redis_opened: bool = False,
 ) -> Generator[RunningSystem]:
     """Starts everything, or `only` some, and waits for the console; ends it afterwards. `lab` None is the reports' room with
-    light cameras; `password` is the admin's where the state folder has one already; `redis_opened` when the lab file has `ports.redis`."""
+    light cameras; `password` is the admin's where the state folder has one already; `redis_opened` when the lab file has
+    `ports.redis`."""
     lab = lab or lab_on_free_ports(folder, light=True)
     state = folder / "state"
     environment = {name: value for name, value in os.environ.items() if name not in ("REDIS_URL", "LILLIPUT_LAB")}

@@ -26,7 +26,6 @@ from protocol.messages import (
     Command,
     EmergencyStop,
     Movement,
-    Movement,
     QueuedRoute,
     Reason,
     ReasonCode,

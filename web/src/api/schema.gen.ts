@@ -1025,6 +1025,22 @@ export interface components {
          */
         AssignmentState: "running" | "paused" | "done" | "stopped" | "failed";
         /**
+         * BatterySpec
+         * @description Shares of a full charge: below `low` people are warned, below `empty` the robot stands still.
+         */
+        BatterySpec: {
+            /**
+             * Low
+             * @default 0.2
+             */
+            low: number;
+            /**
+             * Empty
+             * @default 0.05
+             */
+            empty: number;
+        };
+        /**
          * Blockage
          * @description The nearest thing in an obstacle box: where it is (m, map frame), how far ahead of the robot's front along the path
          *     (m), and which robot it is (None: something on the floor).
@@ -1660,12 +1676,14 @@ export interface components {
         FrenetControl: {
             /** Corner Cut M */
             corner_cut_m?: number | null;
+            /** Pivot Above Rad */
+            pivot_above_rad?: number | null;
+            /** Turn Above Rad */
+            turn_above_rad?: number | null;
             /** Settle M */
             settle_m?: number | null;
             /** Settle S */
             settle_s?: number | null;
-            /** Bend S */
-            bend_s?: number | null;
             /** Lead S */
             lead_s?: number | null;
             /** Braking Mps2 */
@@ -1676,8 +1694,8 @@ export interface components {
             approach_per_s?: number | null;
             /** Tolerance M */
             tolerance_m?: number | null;
-            /** Turn Above Rad */
-            turn_above_rad?: number | null;
+            /** Swivel S */
+            swivel_s?: number | null;
         };
         /**
          * GoToGoalControl
@@ -1696,8 +1714,10 @@ export interface components {
          * @description Of the report's controller; the report's own constants are not for setting.
          */
         GpssControl: {
-            /** Beyond M */
-            beyond_m?: number | null;
+            /** Passed M */
+            passed_m?: number | null;
+            /** Face Rad */
+            face_rad?: number | null;
         };
         /**
          * GuidanceView
@@ -2285,7 +2305,8 @@ export interface components {
         /**
          * Ports
          * @description Where the system listens: HTTP of the console and API, UDP from robots, the loopback-only port of the 3D scene,
-         *     and UDP of the simulated lab's vehicles. `redis` opens the private Redis to robots that speak GPSS (none: closed).
+         *     and UDP of the simulated lab's vehicles. Every robot's agent listens on `stop_udp` for emergency stops by broadcast. `redis`
+         *     opens the private Redis to robots that speak GPSS (none: closed).
          */
         Ports: {
             /**
@@ -2308,6 +2329,11 @@ export interface components {
              * @default 2030
              */
             lab_udp: number;
+            /**
+             * Stop Udp
+             * @default 2040
+             */
+            stop_udp: number;
             /** Redis */
             redis?: number | null;
         };
@@ -2416,6 +2442,56 @@ export interface components {
             last_error: string;
         };
         /**
+         * ProtectiveFieldSpec
+         * @description The fields that the agent watches where a vehicle has a scanner (agents/protection).
+         *
+         *     - `margin_m`: what must remain free around everything that the outline sweeps until it stands.
+         *     - `reaction_s`: from an echo to the beginning of braking: a turn of the scanner, transport, the motors' delay.
+         *     - `clear_s`: how long the protective field must have been clear before the robot moves again.
+         *     - `warning_s`, `warning_margin_m`: the warning field reaches as much farther as the robot drives in this time, and keeps so
+         *       much free around it.
+         *     - `slow_mps`: the speed of the outline's fastest point while anything is in the warning field.
+         *     - `neighbours`: so many neighbouring beams with echoes side by side are a thing at once; fewer are one when the next turn
+         *       of the scanner shows them again.
+         */
+        ProtectiveFieldSpec: {
+            /**
+             * Margin M
+             * @default 0.08
+             */
+            margin_m: number;
+            /**
+             * Reaction S
+             * @default 0.15
+             */
+            reaction_s: number;
+            /**
+             * Clear S
+             * @default 1
+             */
+            clear_s: number;
+            /**
+             * Warning S
+             * @default 1
+             */
+            warning_s: number;
+            /**
+             * Warning Margin M
+             * @default 0.2
+             */
+            warning_margin_m: number;
+            /**
+             * Slow Mps
+             * @default 0.12
+             */
+            slow_mps: number;
+            /**
+             * Neighbours
+             * @default 3
+             */
+            neighbours: number;
+        };
+        /**
          * QueuedRoute
          * @description A route that waits for a robot to be done with what it drives; its id becomes the assignment's.
          */
@@ -2439,7 +2515,7 @@ export interface components {
         };
         /**
          * Reason
-         * @description A code for machines and a sentence for people, e.g. ("obstacle", "0.42 m ahead at (3.1, 0.9)").
+         * @description A code for machines and a sentence for people, e.g. ("obstacle", "0.42 m ahead at (3.1, 0.9)"); since when it holds.
          */
         Reason: {
             code: components["schemas"]["ReasonCode"];
@@ -2448,13 +2524,15 @@ export interface components {
              * @default
              */
             text: string;
+            /** Since Ns */
+            since_ns?: number | null;
         };
         /**
          * ReasonCode
          * @description Why a robot drives, waits or stands; machine-readable.
          * @enum {string}
          */
-        ReasonCode: "route" | "detour" | "yielding" | "at_stop" | "route_done" | "manual" | "idle" | "paused" | "obstacle" | "robot_ahead" | "emergency_stop" | "pose_stale" | "command_stale" | "obstacles_unknown" | "outside_area" | "waypoint_missing" | "not_connected" | "driver_fault";
+        ReasonCode: "route" | "detour" | "yielding" | "at_stop" | "route_done" | "manual" | "idle" | "paused" | "obstacle" | "robot_ahead" | "emergency_stop" | "pose_stale" | "command_stale" | "obstacles_unknown" | "outside_area" | "waypoint_missing" | "not_connected" | "driver_fault" | "protective_field" | "battery_empty";
         /**
          * RedisView
          * @description Whether Redis answers.
@@ -2470,13 +2548,15 @@ export interface components {
         };
         /**
          * RegistrationView
-         * @description Where the robot sends its STATUS datagrams, and how often to expect poses.
+         * @description Where the robot sends its STATUS datagrams, how often to expect poses, and how soon to register again.
          */
         RegistrationView: {
             /** Robots Udp */
             robots_udp: number;
             /** Pose Rate Hz */
             pose_rate_hz: number;
+            /** Again S */
+            again_s: number;
         };
         /**
          * Release
@@ -2712,6 +2792,52 @@ export interface components {
             stages: components["schemas"]["StageView"][];
         };
         /**
+         * ScannerSpec
+         * @description A 2D safety scanner. `pose` is its x, y (m) and yaw (rad) seen from the rotation centre; its `beams` lie evenly over
+         *     `field_rad` around that yaw, both borders included unless it looks all around. It measures from `range_min_m` to
+         *     `range_m`, `rate_hz` times a second.
+         */
+        ScannerSpec: {
+            /**
+             * Pose
+             * @default [
+             *       0,
+             *       0,
+             *       0
+             *     ]
+             */
+            pose: [
+                number,
+                number,
+                number
+            ];
+            /**
+             * Field Rad
+             * @default 4.71238898038469
+             */
+            field_rad: number;
+            /**
+             * Beams
+             * @default 271
+             */
+            beams: number;
+            /**
+             * Range Min M
+             * @default 0.02
+             */
+            range_min_m: number;
+            /**
+             * Range M
+             * @default 4
+             */
+            range_m: number;
+            /**
+             * Rate Hz
+             * @default 33
+             */
+            rate_hz: number;
+        };
+        /**
          * SeriesView
          * @description A time graph: seconds since the run's start, and the median and highest ms of each short while.
          */
@@ -2910,6 +3036,16 @@ export interface components {
             pose_age_s: number | null;
             /** Command Age S */
             command_age_s: number | null;
+            /**
+             * Command Loss
+             * @description Share of guidance's commands of the last seconds that did not reach the robot in time.
+             */
+            command_loss: number | null;
+            /**
+             * Loss
+             * @description Share of the robot's statuses of the last seconds that did not arrive here.
+             */
+            loss: number | null;
         };
         /**
          * StopAction
@@ -3065,7 +3201,8 @@ export interface components {
         };
         /**
          * VehicleSpec
-         * @description A robot. `footprint` is its outline in metres seen from its rotation centre (x forward, y left).
+         * @description A robot. `footprint` is its outline in metres seen from its rotation centre (x forward, y left); `scanner` is its safety
+         *     scanner, if the simulated lab is to have one (a ROS 2 base has its own, see `ros2`).
          */
         VehicleSpec: {
             /** Id */
@@ -3126,6 +3263,26 @@ export interface components {
              *     }
              */
             control: components["schemas"]["ControlSpec"];
+            scanner?: components["schemas"]["ScannerSpec"] | null;
+            /**
+             * @default {
+             *       "margin_m": 0.08,
+             *       "reaction_s": 0.15,
+             *       "clear_s": 1,
+             *       "warning_s": 1,
+             *       "warning_margin_m": 0.2,
+             *       "slow_mps": 0.12,
+             *       "neighbours": 3
+             *     }
+             */
+            protective_field: components["schemas"]["ProtectiveFieldSpec"];
+            /**
+             * @default {
+             *       "low": 0.2,
+             *       "empty": 0.05
+             *     }
+             */
+            battery: components["schemas"]["BatterySpec"];
         };
         /**
          * VehicleTag
@@ -3215,6 +3372,7 @@ export interface components {
 export type Area = components['schemas']['Area'];
 export type Assignment = components['schemas']['Assignment'];
 export type AssignmentState = components['schemas']['AssignmentState'];
+export type BatterySpec = components['schemas']['BatterySpec'];
 export type Blockage = components['schemas']['Blockage'];
 export type BoxView = components['schemas']['BoxView'];
 export type CalibratedCamera = components['schemas']['CalibratedCamera'];
@@ -3274,6 +3432,7 @@ export type PoseView = components['schemas']['PoseView'];
 export type Problem = components['schemas']['Problem'];
 export type ProblemView = components['schemas']['ProblemView'];
 export type ProcessState = components['schemas']['ProcessState'];
+export type ProtectiveFieldSpec = components['schemas']['ProtectiveFieldSpec'];
 export type QueuedRoute = components['schemas']['QueuedRoute'];
 export type Reason = components['schemas']['Reason'];
 export type ReasonCode = components['schemas']['ReasonCode'];
@@ -3289,6 +3448,7 @@ export type Ros2Base = components['schemas']['Ros2Base'];
 export type Route = components['schemas']['Route'];
 export type RunState = components['schemas']['RunState'];
 export type RunTimingsView = components['schemas']['RunTimingsView'];
+export type ScannerSpec = components['schemas']['ScannerSpec'];
 export type SeriesView = components['schemas']['SeriesView'];
 export type SessionView = components['schemas']['SessionView'];
 export type SimulatedObject = components['schemas']['SimulatedObject'];
