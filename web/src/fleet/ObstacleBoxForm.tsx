@@ -69,7 +69,12 @@ export function ObstacleBoxForm({ robot }: { readonly robot: RobotView }) {
       />
       <Group justify="space-between">
         <Guarded>
-          <Button size="xs" variant="subtle" disabled={!isSet} onClick={() => void save({ ...robot.settings, ...LAB_DEFAULTS })}>
+          <Button
+            size="xs"
+            variant="subtle"
+            disabled={!isSet}
+            onClick={() => void save({ ...robot.settings, ...LAB_DEFAULTS })}
+          >
             Back to the lab&apos;s
           </Button>
         </Guarded>
