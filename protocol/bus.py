@@ -11,6 +11,7 @@ from contextlib import aclosing
 from dataclasses import dataclass
 from typing import Any, Generic, Self, TypeVar, cast
 
+import msgspec
 import redis
 import redis.asyncio
 from msgspec import Struct
@@ -37,6 +38,7 @@ _RETRIED = (redis.ConnectionError,)
 timed out may have been done (an event would appear twice)."""
 _STREAM_LENGTH = 10_000
 _FIRST_RETRY_S, _LAST_RETRY_S = 0.05, 1.0
+_BATCHES = msgspec.json.Decoder(dict[str, msgspec.Raw])
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,18 +131,25 @@ class Bus:
         """Whether Redis took the message; see the module on what happens when it did not."""
         return await self.publish_all(channel, {instance: message})
 
-    async def publish_all(self, channel: Channel[M], messages: dict[str, M]) -> bool:
+    async def publish_all(self, channel: Channel[M], messages: Mapping[str, M]) -> bool:
         """One round trip for many instances of a channel."""
+        return await self.publish_raw(channel, {instance: encode(message) for instance, message in messages.items()})
+
+    async def publish_raw(self, channel: Channel[Any], messages: Mapping[str, bytes]) -> bool:
+        """The same for messages that are encoded already. On a LATEST channel several make one publication: what it costs
+        everybody else then does not grow with the fleet."""
+        if not messages:
+            return True
         pipeline = self.redis.pipeline(transaction=False)
-        for instance, message in messages.items():
-            data = encode(message)
-            if channel.delivery is Delivery.EVERY:
+        if channel.delivery is Delivery.EVERY:
+            for instance, data in messages.items():
                 pipeline.xadd(
                     keys.stream(channel.name), {"i": instance, "m": data}, maxlen=_STREAM_LENGTH, approximate=True
                 )
-            else:
-                pipeline.hset(keys.live(channel.name), instance, data)  # pyright: ignore[reportUnusedCoroutine]  # queued
-                pipeline.publish(keys.topic(channel.name, instance), data)
+        else:
+            pipeline.hset(keys.live(channel.name), mapping=dict(messages))  # pyright: ignore[reportUnusedCoroutine]  # queued
+            topic, data = publication(channel, messages)
+            pipeline.publish(topic, data)
         try:
             await pipeline.execute()
         except UNAVAILABLE as error:
@@ -160,7 +169,15 @@ class Bus:
 
     async def latest_all(self, channel: Channel[M]) -> dict[str, M]:
         """The newest message of every instance. BusUnavailableError while Redis is out of reach."""
-        return _decoded(channel, await self._latest_raw(channel))
+        return _decoded(channel, await self.latest_raw(channel))
+
+    async def latest_raw(self, channel: Channel[Any]) -> dict[str, bytes]:
+        """The same, still encoded."""
+        try:
+            raw = cast("dict[bytes, bytes]", await self.redis.hgetall(keys.live(channel.name)))  # pyright: ignore[reportGeneralTypeIssues]  # typed for both clients
+        except UNAVAILABLE as error:
+            raise BusUnavailableError(f"cannot read {channel.name}: {error}") from error
+        return _named(channel, raw)
 
     async def history(self, channel: Channel[M], count: int = 100) -> list[Received[M]]:
         """The newest `count` messages of an EVERY channel, oldest first. BusUnavailableError while Redis is out of reach."""
@@ -186,8 +203,9 @@ class Bus:
 
     async def subscribe_raw(self, *channels: Channel[Any], instance: str | None = None) -> AsyncGenerator[ReceivedRaw]:
         """As `subscribe`, without decoding: for who passes messages on, or needs few of many."""
-        topics = {keys.topic(channel.name, instance or "*"): channel for channel in channels}
         by_name = {channel.name: channel for channel in channels}
+        topics = [keys.topic(channel.name, instance or "*") for channel in channels]
+        topics += [keys.batch(channel.name) for channel in channels]
         delay_s = _FIRST_RETRY_S
         while True:
             try:
@@ -205,24 +223,18 @@ class Bus:
                             # Also after a reconnection that redis-py made by itself: what was said meanwhile is lost.
                             confirmed.clear()
                             for channel in channels:
-                                current = await self._latest_raw(channel)
+                                current = await self.latest_raw(channel)
                                 yield ReceivedRaw(channel, _only(instance, current))
                             delay_s = _FIRST_RETRY_S
                         elif item["type"] == "pmessage":
-                            _, _, name, source = cast("bytes", item["channel"]).split(b":", 3)
-                            channel = by_name[name.decode()]
-                            yield ReceivedRaw(channel, _named(channel, {source: cast("bytes", item["data"])}))
+                            _, _, name, *source = cast("bytes", item["channel"]).split(b":", 3)
+                            channel, data = by_name[name.decode()], cast("bytes", item["data"])
+                            said = _named(channel, {source[0]: data}) if source else _unbatched(channel, data)
+                            yield ReceivedRaw(channel, _only(instance, said))
             except (*UNAVAILABLE, BusUnavailableError) as error:
                 _logger.warning("Redis is out of reach, retrying in %.2f s: %s", delay_s, error)
                 await self._clock.sleep(delay_s)
                 delay_s = min(_LAST_RETRY_S, delay_s * 2)
-
-    async def _latest_raw(self, channel: Channel[Any]) -> dict[str, bytes]:
-        try:
-            raw = cast("dict[bytes, bytes]", await self.redis.hgetall(keys.live(channel.name)))  # pyright: ignore[reportGeneralTypeIssues]  # typed for both clients
-        except UNAVAILABLE as error:
-            raise BusUnavailableError(f"cannot read {channel.name}: {error}") from error
-        return _named(channel, raw)
 
     async def close(self) -> None:
         _tell_dropped(self.dropped)
@@ -232,6 +244,24 @@ class Bus:
 def _tell_dropped(count: int) -> None:
     if count:
         _logger.info("%d messages were dropped while Redis was out of reach", count)
+
+
+def publication(channel: Channel[Any], messages: Mapping[str, bytes]) -> tuple[str, bytes]:
+    """The topic, and what to publish on it, for encoded messages of a LATEST channel by instance, at least one."""
+    if len(messages) == 1:
+        ((instance, data),) = messages.items()
+        return keys.topic(channel.name, instance), data
+    entries = b",".join(b"%s:%s" % (msgspec.json.encode(instance), data) for instance, data in messages.items())
+    return keys.batch(channel.name), b"{%s}" % entries
+
+
+def _unbatched(channel: Channel[Any], data: bytes) -> dict[str, bytes]:
+    """The messages of a batch; none, and a line in the log, when it is damaged."""
+    try:
+        return {name: bytes(message) for name, message in _BATCHES.decode(data).items()}
+    except (msgspec.MsgspecError, UnicodeDecodeError) as error:
+        _logger.warning("ignored a batch on %s: %s", channel.name, error)
+        return {}
 
 
 def _named(channel: Channel[Any], raw: Mapping[bytes, bytes]) -> dict[str, bytes]:

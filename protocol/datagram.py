@@ -21,7 +21,7 @@ Starting the sequence at the clock lets a restarted sender go on without a hands
 
 import hmac
 import struct
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import IntEnum, StrEnum
 from hashlib import sha256
 
@@ -63,12 +63,13 @@ _KINDS: dict[type[BaseModel | Struct], Kind] = {message: kind for kind, message 
 
 @dataclass(frozen=True, slots=True)
 class Datagram:
-    """A message with its envelope; `stamp_ns` is when it was sent."""
+    """A message with its envelope; `stamp_ns` is when it was sent, `payload` the message's bytes where it was received."""
 
     sender: str
     sequence: int
     stamp_ns: int
     message: BaseModel | Struct
+    payload: bytes = field(default=b"", compare=False, repr=False)
 
 
 def pack(datagram: Datagram, key: bytes | None = None) -> bytes:
@@ -130,8 +131,8 @@ def unpack(data: bytes, key: bytes | None = None) -> Datagram:
         raise DecodeError("datagram sender is not UTF-8") from error
     if not sender:
         raise DecodeError("datagram without a sender")
-    message = decode(MESSAGES[kind], data[_HEADER.size + sender_size : body_size])
-    return Datagram(sender, sequence, stamp_ns, message)
+    payload = data[_HEADER.size + sender_size : body_size]
+    return Datagram(sender, sequence, stamp_ns, decode(MESSAGES[kind], payload), payload)
 
 
 class Verdict(StrEnum):

@@ -57,6 +57,11 @@ def topic(channel: str, instance: str) -> str:
     return f"{PREFIX}:topic:{channel}:{instance}"
 
 
+def batch(channel: str) -> str:
+    """Pub/sub topic of several instances of a LATEST channel at once: one JSON object, instance -> message."""
+    return f"{PREFIX}:batch:{channel}"
+
+
 def stream(channel: str) -> str:
     """Capped stream of an EVERY channel, all instances together."""
     return f"{PREFIX}:stream:{channel}"

@@ -8,6 +8,7 @@ from collections import Counter
 from protocol.bus import Bus
 from protocol.channels import STATUSES
 from protocol.clock import Clock
+from protocol.codec import encode
 from protocol.datagram import Datagram, ReplayGuard, Verdict
 from protocol.lab import Lab
 from protocol.messages import Event, EventLevel, Status
@@ -30,7 +31,7 @@ class StatusIntake:
         self._bus, self._clock, self._source, self._what = bus, clock, source, what
         self._robots = frozenset(vehicle.id for vehicle in lab.vehicles)
         self._guard = ReplayGuard()
-        self._pending: dict[str, Status] = {}
+        self._pending: dict[str, bytes] = {}
         self._filled = asyncio.Event()
         self._told_s: dict[str, float] = {}
         self._untold: list[Event] = []
@@ -54,7 +55,7 @@ class StatusIntake:
         if verdict is not Verdict.FRESH:
             return self.refuse(verdict.value, f"status of {sender} from {origin} is {verdict.value.replace('_', ' ')}")
         self.counts["accepted"] += 1
-        self._pending[sender] = status
+        self._pending[sender] = datagram.payload or encode(status)
         self._filled.set()
         return None
 
@@ -85,7 +86,7 @@ class StatusIntake:
             self._filled.clear()
             if self._pending:
                 batch, self._pending = self._pending, {}
-                await self._bus.publish_all(STATUSES, batch)
+                await self._bus.publish_raw(STATUSES, batch)
             untold, self._untold = self._untold, []
             for event in untold:
                 await record(self._bus, event)

@@ -3,8 +3,9 @@ intake, the rest is counted, told in the health, and now and then in the history
 
 import asyncio
 import socket
+import sys
 from collections.abc import AsyncGenerator
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, suppress
 from typing import cast
 
 from protocol.bus import Bus
@@ -15,8 +16,17 @@ from protocol.lab import Lab
 from server.status_intake import StatusIntake
 from server.views.health import UdpView
 
+_AT_ONCE = 256
+"""So many datagrams are taken before others on the loop have their turn."""
+_LARGEST = 65536
+_QUEUE_BYTES = 4 << 20
+"""Datagrams wait here while the loop is busy: what a thousand robots send in half a second, as the kernel counts it. Who is not
+the administrator gets less where the kernel's limit (net.core.rmem_max) is lower."""
+_SO_RCVBUFFORCE = 33
+"""Linux's, from socket(7); the socket module does not have it."""
 
-class StatusListener(asyncio.DatagramProtocol):
+
+class StatusListener:
     """`view` tells how many datagrams were received, accepted, and refused for which cause; `run` must be running."""
 
     def __init__(self, bus: Bus, lab: Lab, clock: Clock, key: bytes | None) -> None:
@@ -29,14 +39,18 @@ class StatusListener(asyncio.DatagramProtocol):
     async def listening(self, bound: socket.socket) -> AsyncGenerator[None]:
         """Listens on the bound socket while entered, and closes it."""
         loop = asyncio.get_running_loop()
-        transport, _ = await loop.create_datagram_endpoint(lambda: self, sock=bound)
+        bound.setblocking(False)
+        _widen(bound)
+        # Not a datagram endpoint: that takes one datagram per round of the loop.
+        loop.add_reader(bound, self._drain, bound)
         self.port = cast("tuple[str, int]", bound.getsockname())[1]
         self._listening = True
         try:
             yield
         finally:
             self._listening = False
-            transport.close()
+            loop.remove_reader(bound)
+            bound.close()
 
     def forget(self, robot: str) -> None:
         """Lets a robot start over, as after a registration with a clock that was set back."""
@@ -60,7 +74,20 @@ class StatusListener(asyncio.DatagramProtocol):
             last_problem=self._intake.problem,
         )
 
+    def _drain(self, bound: socket.socket) -> None:
+        """Takes what has arrived."""
+        for _ in range(_AT_ONCE):
+            try:
+                data, address = bound.recvfrom(_LARGEST)
+            except (BlockingIOError, InterruptedError):
+                return
+            except OSError as error:
+                self._intake.problem = f"socket: {error}"
+                return
+            self.datagram_received(data, address)
+
     def datagram_received(self, data: bytes, addr: tuple[str, int]) -> None:
+        """Of one robot, or of anybody."""
         self._intake.counts["received"] += 1
         origin = f"{addr[0]}:{addr[1]}"
         try:
@@ -70,9 +97,13 @@ class StatusListener(asyncio.DatagramProtocol):
         else:
             self._intake.offer(datagram, origin)
 
-    def error_received(self, exc: Exception) -> None:
-        self._intake.problem = f"socket: {exc}"
-
     async def run(self) -> None:
         """Publishes what came in, until cancelled."""
         await self._intake.run()
+
+
+def _widen(bound: socket.socket) -> None:
+    bound.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, _QUEUE_BYTES)
+    if sys.platform == "linux":
+        with suppress(PermissionError):
+            bound.setsockopt(socket.SOL_SOCKET, _SO_RCVBUFFORCE, _QUEUE_BYTES)

@@ -20,7 +20,7 @@ from agents.estimation.ekf_model import LINEAR, Sight, velocity
 from agents.estimation.ekf_noise import NoiseModel
 from agents.estimation.ekf_odometry import motion_around, odometry_at
 from agents.estimation.estimator import Estimate, Localization
-from agents.estimation.history import OdometryHistory, is_another_frame
+from agents.estimation.history import OdometryHistory, is_another_session, is_jump
 from agents.estimation.plausible import is_plausible_odometry, is_plausible_pose
 from geometry import SE2
 from protocol.messages import TrackedPose
@@ -68,7 +68,7 @@ class EkfEstimator:
         self._told = None
         newest = self._history.newest
         if newest is not None:
-            if is_another_frame(newest, reading):
+            if is_another_session(newest, reading) or is_jump(newest, reading):
                 self._lose()
             elif reading.stamp_ns <= newest.stamp_ns:
                 return

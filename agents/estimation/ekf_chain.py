@@ -9,7 +9,7 @@ from agents.estimation.ekf_model import Motion, Sight
 from agents.estimation.ekf_noise import NoiseModel
 from geometry import SE2
 
-_MOST_NODES = 1500
+_MOST_NODES = 1200
 """However fast a base talks, memory and the longest replay stay bounded."""
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from agents.drivers.driver import OdometryReading
 from agents.estimation.consistency import NisReport
 from agents.estimation.estimator import Estimate, Localization
-from agents.estimation.history import OdometryHistory, is_another_frame
+from agents.estimation.history import OdometryHistory, is_another_session
 from agents.estimation.plausible import is_plausible_odometry, is_plausible_pose
 from geometry import SE2, angle_difference
 from protocol.messages import TrackedPose
@@ -40,7 +40,7 @@ class ExponentialFilter:
         if not is_plausible_odometry(reading):
             return
         newest = self._history.newest
-        if newest is not None and is_another_frame(newest, reading):
+        if newest is not None and is_another_session(newest, reading):
             if self._T_map_odom is not None:
                 self._last_pose = self._T_map_odom @ newest.pose
             self._history.clear()

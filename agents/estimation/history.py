@@ -69,10 +69,13 @@ class OdometryHistory:
         return reading.pose @ SE2.exp(ahead_s * reading.twist.linear_mps, 0.0, ahead_s * reading.twist.angular_radps)
 
 
-def is_another_frame(before: OdometryReading, after: OdometryReading) -> bool:
-    """Whether the two have no common frame or clock: the base restarted, said so or not, or the clock was set back."""
-    if after.session != before.session or after.stamp_ns < before.stamp_ns - _CLOCK_SET_BACK_NS:
-        return True
+def is_another_session(before: OdometryReading, after: OdometryReading) -> bool:
+    """Whether the base restarted, or the clock was set back."""
+    return after.session != before.session or after.stamp_ns < before.stamp_ns - _CLOCK_SET_BACK_NS
+
+
+def is_jump(before: OdometryReading, after: OdometryReading) -> bool:
+    """Whether the base says that it was somewhere else at once: it restarted without saying so."""
     dt_s = max(0.0, (after.stamp_ns - before.stamp_ns) / 1e9)
     return before.pose.distance_to(after.pose) > _JUMP_M + _JUMP_MPS * dt_s
 

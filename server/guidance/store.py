@@ -13,6 +13,7 @@ from msgspec import Struct
 from pydantic import BaseModel
 
 from protocol import keys
+from protocol.bus import publication
 from protocol.channels import (
     COMMANDS,
     EMERGENCY_STOP,
@@ -53,17 +54,24 @@ redis.call('SET', KEYS[1], string.format('%.0f', epoch), 'PX', ARGV[1])
 return epoch
 """
 _RELEASE = "if redis.call('GET', KEYS[1]) == ARGV[1] then return redis.call('DEL', KEYS[1]) end return 0"
-# ARGV: epoch, lease in ms, then three groups, each after its count: live messages (hash, topic, instance, data),
-# assignments (robot, what it was, what it becomes), events (instance, data).
+# ARGV: epoch, lease in ms, then three groups, each after its count: channels (hash, topic, what to publish on it, how many
+# messages, instance and data of each), assignments (robot, what it was, what it becomes), events (instance, data). Fields are
+# set a thousand at a time: Lua's stack ends at some thousands.
 _SAY = """
 if redis.call('GET', KEYS[1]) ~= ARGV[1] then return 0 end
 redis.call('PEXPIRE', KEYS[1], ARGV[2])
 local at = 3
 local function count() at = at + 1 return tonumber(ARGV[at - 1]) end
 for _ = 1, count() do
-  redis.call('HSET', ARGV[at], ARGV[at + 2], ARGV[at + 3])
-  redis.call('PUBLISH', ARGV[at + 1], ARGV[at + 3])
-  at = at + 4
+  local hash, topic, said = ARGV[at], ARGV[at + 1], ARGV[at + 2]
+  at = at + 3
+  local left = count()
+  while left > 0 do
+    local some = math.min(left, 1000)
+    redis.call('HSET', hash, unpack(ARGV, at, at + 2 * some - 1))
+    at, left = at + 2 * some, left - some
+  end
+  redis.call('PUBLISH', topic, said)
 end
 for _ = 1, count() do
   if redis.call('HGET', KEYS[2], ARGV[at]) == ARGV[at + 1] then redis.call('HSET', KEYS[2], ARGV[at], ARGV[at + 2]) end
@@ -142,10 +150,14 @@ class GuidanceStore:
 
     async def say(self, outcome: Outcome, epoch: int) -> bool:
         """Publishes, all or nothing, and renews the lease; False when the lease is no longer that epoch's."""
-        live: list[bytes | str] = []
-        for channel, messages in ((COMMANDS, outcome.commands), (GUIDANCE, outcome.states)):
-            for name, message in messages.items():
-                live += [keys.live(channel.name), keys.topic(channel.name, name), name, encode(message)]
+        live: list[bytes | str | int] = []
+        channels: tuple[tuple[Channel[Any], Mapping[str, BaseModel]], ...]
+        channels = ((COMMANDS, outcome.commands), (GUIDANCE, outcome.states))
+        said = [(channel, {name: encode(each) for name, each in messages.items()}) for channel, messages in channels]
+        said = [(channel, messages) for channel, messages in said if messages]
+        for channel, messages in said:
+            live += [keys.live(channel.name), *publication(channel, messages), len(messages)]
+            live += [part for entry in messages.items() for part in entry]
         changes: list[bytes | str] = []
         for change in outcome.changes:
             robot = change.before.robot
@@ -153,10 +165,10 @@ class GuidanceStore:
         events: list[bytes | str | int] = []
         for event in outcome.events:
             events += [_STREAM_LENGTH, LAB_INSTANCE, encode(event)]
-        args = [epoch, round(LEASE_S * 1000), len(live) // 4, *live]
+        args = [epoch, round(LEASE_S * 1000), len(said), *live]
         args += [len(changes) // 3, *changes, len(events) // 3, *events]
-        said = await self._say(keys=[keys.GUIDANCE_LEASE, keys.ASSIGNMENTS, keys.stream(EVENTS.name)], args=args)
-        return said == 1
+        done = await self._say(keys=[keys.GUIDANCE_LEASE, keys.ASSIGNMENTS, keys.stream(EVENTS.name)], args=args)
+        return done == 1
 
     def _live(self, channel: Channel[M], raw: dict[bytes, bytes]) -> dict[str, M]:
         return self._decode(channel.name, channel.message, raw)

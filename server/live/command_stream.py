@@ -6,10 +6,10 @@ its comments: the robot hears no fresh command and stops by itself.
 
 import asyncio
 from collections.abc import AsyncGenerator, Awaitable, Callable
+from typing import Self
 
 from protocol.clock import Clock
 from protocol.codec import encode
-from protocol.messages import Command, EmergencyStop
 from server.live.feeds import CommandFeeds
 
 KEEP_ALIVE_S = 0.5
@@ -23,27 +23,59 @@ async def command_stream(
     """The stream's bytes until the service ends or `may_listen`, asked now and then, says no."""
     told = False
     checked_s = clock.monotonic_s()
-    with feeds.open(robot) as feed:
+    with feeds.open(robot) as feed, _Silence(KEEP_ALIVE_S, feed.woken) as silence:
         while not feeds.closed:
             if clock.monotonic_s() - checked_s > _CHECK_EVERY_S:
                 checked_s = clock.monotonic_s()
                 if not await may_listen():
                     return
-            try:
-                async with asyncio.timeout(KEEP_ALIVE_S):
-                    await feed.woken.wait()
-            except TimeoutError:
-                yield _KEEP_ALIVE
-                continue
+            await feed.woken.wait()
             feed.woken.clear()
             stop, feed.emergency_stop = feed.emergency_stop, None
             if stop is not None:
                 told = True
-                yield _event("emergency_stop", stop)
+                silence.broken()
+                yield _event(b"emergency_stop", encode(stop))
             if told and feed.command is not None:
                 command, feed.command = feed.command, None
-                yield _event("command", command)
+                silence.broken()
+                yield _event(b"command", command)
+            if silence.lasts:
+                silence.broken()
+                yield _KEEP_ALIVE
 
 
-def _event(name: str, message: Command | EmergencyStop) -> bytes:
-    return b"event: " + name.encode() + b"\ndata: " + encode(message) + b"\n\n"
+class _Silence:
+    """Wakes a stream that has been silent for as long as it may; for every event no more is done than to note the time."""
+
+    def __init__(self, limit_s: float, woken: asyncio.Event) -> None:
+        self._limit_s, self._woken, self._loop = limit_s, woken, asyncio.get_running_loop()
+        self.broken()
+        self._timer = self._loop.call_later(limit_s, self._look)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._timer.cancel()
+
+    @property
+    def lasts(self) -> bool:
+        """Whether it is long enough that something has to be said."""
+        return self._loop.time() - self._since_s >= self._limit_s
+
+    def broken(self) -> None:
+        """Something is said now."""
+        self._since_s = self._loop.time()
+
+    def _look(self) -> None:
+        if self.lasts:
+            self._woken.set()
+            again_s = self._limit_s
+        else:
+            again_s = self._since_s + self._limit_s - self._loop.time()
+        self._timer = self._loop.call_later(again_s, self._look)
+
+
+def _event(name: bytes, data: bytes) -> bytes:
+    return b"event: %s\ndata: %s\n\n" % (name, data)

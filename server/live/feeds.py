@@ -5,16 +5,18 @@ from collections.abc import Generator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
+from protocol.codec import encode
 from protocol.messages import Command, EmergencyStop
 
 
 @dataclass(slots=True, eq=False)
 class Feed:
-    """What one stream has not sent yet; `woken` is set when there is something, or when all is over."""
+    """What one stream has not sent yet, the command as JSON on one line; `woken` is set when there is something, or when all is
+    over."""
 
     robot: str
     emergency_stop: EmergencyStop | None
-    command: Command | None
+    command: bytes | None
     woken: asyncio.Event = field(default_factory=asyncio.Event)
 
 
@@ -23,7 +25,8 @@ class CommandFeeds:
 
     def __init__(self) -> None:
         self._feeds: set[Feed] = set()
-        self._commands: dict[str, Command] = {}
+        self._of_robot: dict[str, set[Feed]] = {}
+        self._commands: dict[str, bytes] = {}
         self.emergency_stop: EmergencyStop | None = None
         self.closed = False
 
@@ -33,10 +36,13 @@ class CommandFeeds:
         feed = Feed(robot, self.emergency_stop, self._commands.get(robot))
         feed.woken.set()
         self._feeds.add(feed)
+        of_robot = self._of_robot.setdefault(robot, set())
+        of_robot.add(feed)
         try:
             yield feed
         finally:
             self._feeds.discard(feed)
+            of_robot.discard(feed)
 
     def __len__(self) -> int:
         return len(self._feeds)
@@ -64,13 +70,14 @@ class CommandFeeds:
         """The latch's greatest epoch so far, 0 before anything is known."""
         return 0 if self.emergency_stop is None else self.emergency_stop.epoch
 
-    def command(self, command: Command) -> None:
-        """The newest command of its robot."""
-        self._commands[command.robot] = command
-        for feed in self._feeds:
-            if feed.robot == command.robot:
-                feed.command = command
-                feed.woken.set()
+    def command(self, command: Command, encoded: bytes | None = None) -> None:
+        """The newest command of its robot; `encoded` where somebody has encoded it already."""
+        if encoded is None or b"\n" in encoded or b"\r" in encoded:
+            encoded = encode(command)
+        self._commands[command.robot] = encoded
+        for feed in self._of_robot.get(command.robot, ()):
+            feed.command = encoded
+            feed.woken.set()
 
     def close(self) -> None:
         """Ends every stream."""

@@ -7,14 +7,14 @@ apart, so that each client gets what it misses at its own pace. Nothing here wai
 import asyncio
 import logging
 from collections import deque
-from collections.abc import AsyncGenerator, Awaitable, Callable
-from contextlib import asynccontextmanager, suppress
+from collections.abc import AsyncGenerator, Awaitable, Callable, Mapping
+from contextlib import aclosing, asynccontextmanager, suppress
 from typing import Any, cast
 
 from redis.exceptions import RedisError
 
 from protocol import keys
-from protocol.bus import UNAVAILABLE, Bus, Received
+from protocol.bus import UNAVAILABLE, Bus, ReceivedRaw
 from protocol.channels import (
     CAMERA_STATES,
     CHANNELS,
@@ -52,6 +52,7 @@ from protocol.messages import (
 from server.health import HealthInputs, health_view
 from server.live.feeds import CommandFeeds
 from server.live.latch import EmergencyStopLatch
+from server.live.newest import NewestMessages, decoded_or_none
 from server.live.reading import read_extrinsics
 from server.live.sections import Item, Sections
 from server.repositories.camera_faults import CAMERA_FAULTS
@@ -79,6 +80,10 @@ _SUBSCRIBED: tuple[Channel[Any], ...] = (
 )
 _POLLED = tuple(c for c in CHANNELS if c.delivery is Delivery.LATEST and c not in _SUBSCRIBED)
 _PERIOD_S = 0.05
+_AT_ONCE = 20
+"""Robots whose views are made before others on the loop have their turn."""
+_PAUSES = 2.0
+"""Where views take long (many robots, a busy machine), so much longer than they took is paused before the next ones."""
 _REFRESH_S = 0.25
 """Time alone changes a view: a pose grows stale, a lease runs out."""
 _POLL_S = 1.0
@@ -96,7 +101,7 @@ class LiveHub:
         self._store = Store(bus.redis)
         self.latch = EmergencyStopLatch(EmergencyStopRepository(self._store, clock), self.feeds, clock)
         self._started_ns = clock.now_ns()
-        self._latest: dict[str, dict[str, Any]] = {channel.name: {} for channel in CHANNELS}
+        self._newest = NewestMessages(CHANNELS)
         self._fleet = FleetState()
         self._raster: FloorRaster | None = None
         self._assignments_due = False
@@ -122,6 +127,7 @@ class LiveHub:
             keys.stream(EVENTS.name): self._read_events,
         }
         self._reading_events = asyncio.Lock()
+        self._building = asyncio.Lock()
         self._dirty = asyncio.Event()
         self._advanced = asyncio.Event()
 
@@ -134,7 +140,7 @@ class LiveHub:
         """A browser's view of the state, up to date from its beginning."""
         self._clients += 1
         try:
-            self._build()
+            await self._build()
             yield LiveClient(self)
         finally:
             self._clients -= 1
@@ -149,6 +155,7 @@ class LiveHub:
         now_s = self._clock.monotonic_s()
         if self._health is None or now_s - self._health[0] > _HEALTH_AGE_S:
             await self._read_polled()
+            await self._catch_up()
             self._health = (now_s, self._health_view())
         return self._health[1]
 
@@ -159,22 +166,36 @@ class LiveHub:
         return self._sections.message(version, self._clock.now_ns()), self._sections.version
 
     async def _follow_channels(self) -> None:
-        async for received in self._bus.subscribe(*_SUBSCRIBED):
-            self._take(received)
+        async with aclosing(self._bus.subscribe_raw(*_SUBSCRIBED)) as said:
+            async for received in said:
+                self._take(received)
 
-    def _take(self, received: Received[Any]) -> None:
-        if received.channel is EMERGENCY_STOP:
-            self.feeds.stop(received.message)
-        elif received.channel is COMMANDS:
-            self.feeds.command(received.message)
-        elif received.channel is GUIDANCE:
-            before = cast("GuidanceState | None", self._latest[GUIDANCE.name].get(received.instance))
-            now = cast("GuidanceState", received.message)
-            # Guidance moves assignments on without announcing it; what it says of the robot then changes too.
-            if before is None or (before.leg, before.reason.code) != (now.leg, now.reason.code):
-                self._assignments_due = True
-        self._latest[received.channel.name][received.instance] = received.message
+    def _take(self, received: ReceivedRaw) -> None:
+        """What robots wait for goes on at once, the rest when somebody looks."""
+        if received.channel in (EMERGENCY_STOP, COMMANDS):
+            for instance, data in received.messages.items():
+                message = decoded_or_none(received.channel, instance, data)
+                if message is None:
+                    continue
+                if received.channel is EMERGENCY_STOP:
+                    self.feeds.stop(message)
+                else:
+                    self.feeds.command(message, data)
+                self._newest.put(received.channel, {instance: message})
+        else:
+            self._newest.take(received)
         self._dirty.set()
+
+    def _guidance_changed(self, before: GuidanceState | None, now: GuidanceState) -> None:
+        """Guidance moves assignments on without announcing it; what it says of the robot then changes too."""
+        if before is None or (before.leg, before.reason.code) != (now.leg, now.reason.code):
+            self._assignments_due = True
+
+    async def _catch_up(self) -> None:
+        """Decodes what has come since somebody looked last, channel by channel: what robots wait for comes between."""
+        for channel in _SUBSCRIBED:
+            self._newest.catch_up(channel, self._guidance_changed if channel is GUIDANCE else None)
+            await self._clock.sleep(0.0)
 
     async def _follow_documents(self) -> None:
         async for key in changes(self._bus, self._clock):
@@ -234,6 +255,7 @@ class LiveHub:
         while True:
             await self._read_polled()
             if self._clients:
+                await self._catch_up()
                 self._health = (self._clock.monotonic_s(), self._health_view())
                 self._dirty.set()
             await self._clock.sleep(_POLL_S)
@@ -242,7 +264,7 @@ class LiveHub:
         """What nobody announces, and whether Redis answers at all."""
         try:
             for channel in _POLLED:
-                self._latest[channel.name] = await self._bus.latest_all(channel)
+                self._newest.replace(channel, await self._bus.latest_all(channel))
             self._extrinsics = await read_extrinsics(self._bus)
             if self.latch.heard(await read_emergency_stop(self._store)):
                 self._dirty.set()
@@ -261,25 +283,46 @@ class LiveHub:
             except TimeoutError:
                 pass
             self._dirty.clear()
+            took_s = 0.0
             if self._clients:
+                begun_s = self._clock.monotonic_s()
+                await self._catch_up()
                 if self._assignments_due:
                     self._assignments_due = False
                     with suppress(*_AWAY):
                         await self._read_assignments()
-                self._build()
-            await self._clock.sleep(_PERIOD_S)
+                await self._build()
+                took_s = self._clock.monotonic_s() - begun_s
+            await self._clock.sleep(max(_PERIOD_S, _PAUSES * took_s))
 
-    def _build(self) -> None:
-        """Brings the sections up to date and wakes the clients when anything changed."""
-        now_ns = self._clock.now_ns()
-        fleet, sections = self._fleet, self._sections
-        fleet.poses, fleet.statuses = self._latest[POSES.name], self._latest[STATUSES.name]
-        fleet.registrations, fleet.commands = self._latest[REGISTRATIONS.name], self._latest[COMMANDS.name]
-        fleet.guidance, fleet.manual = self._latest[GUIDANCE.name], self._latest[MANUAL.name]
+    async def _build(self) -> None:
+        """Brings the sections up to date and wakes the clients when anything changed. Robots come some at a time: others on the
+        loop are not to wait for all of a large fleet."""
+        async with self._building:
+            await self._catch_up()
+            self._prepare_fleet()
+            for first in range(0, len(self._lab.vehicles), _AT_ONCE):
+                now_ns = self._clock.now_ns()
+                some = [
+                    robot_view(vehicle, self._fleet, now_ns) for vehicle in self._lab.vehicles[first : first + _AT_ONCE]
+                ]
+                self._sections.put("robots", {view.id: Item(view, view.without_ages()) for view in some})
+                await self._clock.sleep(0.0)
+            self._build_others()
+            if self._sections.commit():
+                woken, self._advanced = self._advanced, asyncio.Event()
+                woken.set()
+
+    def _prepare_fleet(self) -> None:
+        fleet, newest = self._fleet, self._newest
+        fleet.poses, fleet.statuses = newest.of(POSES), newest.of(STATUSES)
+        fleet.registrations, fleet.commands = newest.of(REGISTRATIONS), newest.of(COMMANDS)
+        fleet.guidance, fleet.manual = newest.of(GUIDANCE), newest.of(MANUAL)
         fleet.emergency_stop = self.feeds.emergency_stop or EmergencyStop(engaged=False)
-        robots = [robot_view(vehicle, fleet, now_ns) for vehicle in self._lab.vehicles]
-        sections.replace("robots", {view.id: Item(view, view.without_ages()) for view in robots})
-        states = cast("dict[str, CameraState]", self._latest[CAMERA_STATES.name])
+
+    def _build_others(self) -> None:
+        now_ns, sections = self._clock.now_ns(), self._sections
+        states = cast("Mapping[str, CameraState]", self._newest.of(CAMERA_STATES))
         cameras = [
             camera_view(c, states.get(c.id), self._extrinsics.get(c.id), now_ns, self._faults.get(c.id))
             for c in self._lab.cameras
@@ -288,8 +331,8 @@ class LiveHub:
         sections.replace("waypoints", {name: Item(waypoint) for name, waypoint in self._waypoints.items()})
         sections.replace("routes", {name: Item(route) for name, route in self._routes.items()})
         sections.replace("objects", {name: Item(item) for name, item in self._objects.items()})
-        sections.replace_single("estop", Item(fleet.emergency_stop))
-        raster = cast("FloorRaster | None", self._latest[OBSTACLES.name].get(LAB_INSTANCE))
+        sections.replace_single("estop", Item(self._fleet.emergency_stop))
+        raster = cast("FloorRaster | None", self._newest.of(OBSTACLES).get(LAB_INSTANCE))
         if raster is not None and raster is not self._raster:
             self._raster = raster
             sections.replace_single("obstacles", _obstacles(raster))
@@ -297,22 +340,15 @@ class LiveHub:
         sections.replace_single("health", Item(health))
         while self._new_events:
             sections.append(self._new_events.popleft())
-        if sections.commit():
-            woken, self._advanced = self._advanced, asyncio.Event()
-            woken.set()
 
     def _health_view(self) -> HealthView:
-        stamps = {
-            name: {instance: cast("int", getattr(message, "stamp_ns", 0)) for instance, message in messages.items()}
-            for name, messages in self._latest.items()
-        }
         return health_view(
             self._lab,
             HealthInputs(
                 started_ns=self._started_ns,
-                stamps=stamps,
-                camera_states=self._latest[CAMERA_STATES.name],
-                processes=cast("dict[str, ProcessState]", self._latest[PROCESSES.name]),
+                stamps=self._newest.stamps(),
+                camera_states=cast("Mapping[str, CameraState]", self._newest.of(CAMERA_STATES)),
+                processes=cast("Mapping[str, ProcessState]", self._newest.of(PROCESSES)),
                 redis=RedisView(reachable=self._away_since_ns is None, since_ns=self._away_since_ns),
                 udp=self._udp(),
             ),

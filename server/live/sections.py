@@ -47,11 +47,16 @@ class Sections:
     def replace(self, section: str, items: Mapping[str, Item]) -> None:
         """Makes `items` the whole of a section."""
         entries = self._maps[section]
-        for name, item in items.items():
-            self._set(entries, name, item)
+        self.put(section, items)
         for name in entries.keys() - items.keys():
             if entries[name].data is not None:
                 entries[name] = _Entry(self._next(), None, None)
+
+    def put(self, section: str, items: Mapping[str, Item]) -> None:
+        """Sets some entries of a section."""
+        entries = self._maps[section]
+        for name, item in items.items():
+            self._set(entries, name, item)
 
     def replace_single(self, section: str, item: Item | None) -> None:
         """Sets one of the singles; None: there is none."""

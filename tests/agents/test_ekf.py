@@ -40,9 +40,16 @@ def standing(stamps_ms: range) -> EkfEstimator:
     return estimator
 
 
-def test_poses_out_of_order_count_as_if_in_order() -> None:
+KNOWN = EkfConfig(noise=NoiseConfig(scale_sigma=(1e-6, 1e-6, 1e-6), delay_sigma_s=0.0, delay_walk_s=0.0))
+"""Noises and delay are as assumed: nothing of them is learned."""
+
+
+@pytest.mark.parametrize(("config", "metres"), [(KNOWN, 1e-9), (EkfConfig(), 1e-3)])
+def test_poses_out_of_order_count_as_if_in_order(config: EkfConfig, metres: float) -> None:
+    """To the last digit but for what is learned, which depends on the order a little."""
+
     def ended(order: list[int]) -> Estimate:
-        estimator = EkfEstimator()
+        estimator = EkfEstimator(config)
         for ms in range(0, 1001, 50):
             estimator.add_odometry(OdometryReading(START_NS + ms * MS, "a", SE2(ms * 5e-4, 0.0, 0.0), Twist(0.5, 0.0)))
         for ms in (0, *order):
@@ -51,10 +58,12 @@ def test_poses_out_of_order_count_as_if_in_order() -> None:
         return estimator.estimate(START_NS + 1000 * MS)
 
     stamps = list(range(100, 1000, 100))
-    forward, backward = ended(stamps), ended(stamps[::-1])
-    assert forward.pose is not None and backward.pose is not None
-    assert forward.pose.distance_to(backward.pose) < 2e-4
-    assert forward.camera_stamp_ns == backward.camera_stamp_ns == START_NS + 900 * MS
+    forward = ended(stamps)
+    for order in (stamps[::-1], [500, 100, 900, 300, 700, 200, 800, 400, 600]):
+        other = ended(order)
+        assert forward.pose is not None and other.pose is not None
+        assert forward.pose.distance_to(other.pose) < metres
+        assert forward.camera_stamp_ns == other.camera_stamp_ns == START_NS + 900 * MS
 
 
 def test_a_pose_older_than_the_horizon_is_refused() -> None:

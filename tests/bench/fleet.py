@@ -74,7 +74,7 @@ def run(arguments: argparse.Namespace) -> Result:
     return Result("fleet", found, settings=settings)
 
 
-def measure(robots: int, seconds: float, *, console: bool) -> Run:
+def measure(robots: int, seconds: float, *, console: bool, warm_up_s: float = _WARM_UP_S) -> Run:
     """A fleet of that size for that long. LauncherError when the system or the robots do not come up, or end early."""
     clock = SystemClock()
     with tempfile.TemporaryDirectory(prefix="lilliput-fleet-") as name:
@@ -82,7 +82,7 @@ def measure(robots: int, seconds: float, *, console: bool) -> Run:
         path, lab = write_fleet_lab(folder, robots)
         with running(lab, path, folder) as system:
             load = Load(system.tokens, lab.ports.http, system.udp_key)
-            return asyncio.run(_observed(system, load, seconds, clock, console=console))
+            return asyncio.run(_observed(system, load, seconds, clock, warm_up_s, console=console))
 
 
 def figures(done: Run) -> dict[str, float | int]:
@@ -113,7 +113,9 @@ def _percentiles(ms: Sequence[float]) -> tuple[float, float]:
     return float(median), float(p99)
 
 
-async def _observed(system: System, load: Load, seconds: float, clock: Clock, *, console: bool) -> Run:
+async def _observed(
+    system: System, load: Load, seconds: float, clock: Clock, warm_up_s: float, *, console: bool
+) -> Run:
     fleet, shown = Ages(), Ages()
     async with _playing(load) as robots:
         following = [asyncio.create_task(follow_fleet(system.redis_url, fleet, clock))]
@@ -121,7 +123,7 @@ async def _observed(system: System, load: Load, seconds: float, clock: Clock, *,
             await _heard(robots, _UP_S)
             if console:
                 following.append(asyncio.create_task(follow_console(system.url, system.operator, shown, clock)))
-            await clock.sleep(_WARM_UP_S)
+            await clock.sleep(warm_up_s)
             fleet.ms, shown.ms = array("d"), array("d")
             cpu_s, most = system.cpu_s(), system.rss_mb()
             robots.send("count")

@@ -10,7 +10,7 @@ import pytest
 from redis.asyncio.client import PubSub
 
 from protocol import keys
-from protocol.bus import Bus, M, Received, SyncBus
+from protocol.bus import Bus, Received, SyncBus
 from protocol.channels import EVENTS, MANUAL, POSES, RASTERS, STATUSES, Channel
 from protocol.errors import BusUnavailableError
 from protocol.messages import Event, EventLevel, FloorRaster, ManualDrive, Status, TrackedPose
@@ -87,6 +87,40 @@ async def test_what_does_not_decode_is_skipped(bus: Bus) -> None:
         assert (await following(subscription)).message == pose("wifibot-15")
 
 
+async def test_several_instances_at_once_reach_every_subscriber(bus: Bus) -> None:
+    await bus.publish(POSES, "wifibot-14", pose(x=1.0))
+    async with subscribed(bus, POSES) as all_of_them, subscribed(bus, POSES, instance="wifibot-14") as one:
+        assert (await following(all_of_them)).message.x == (await following(one)).message.x == 1.0
+        others = {name: pose(name) for name in ("wifibot-15", "wifibot-16")}
+        await bus.publish_all(POSES, others)
+        await bus.publish_all(POSES, {**others, "wifibot-14": pose(x=2.0)})
+        found = [await following(all_of_them) for _ in range(5)]
+        assert [item.instance for item in found] == [*others, *others, "wifibot-14"]
+        assert [item.message for item in found[:2]] == list(others.values())
+        assert (await following(one)).message.x == 2.0
+
+
+async def test_messages_that_arrive_together_are_passed_on_together_and_as_they_are(bus: Bus) -> None:
+    async with contextlib.aclosing(bus.subscribe_raw(POSES)) as subscription:
+        assert (await anext(subscription)).messages == {}
+        sent = {"wifibot-14": b'{"x": 1}', "wifibot-15": b"[]"}
+        assert await bus.publish_raw(POSES, sent)
+        assert (await anext(subscription)).messages == sent
+        assert await bus.latest_raw(POSES) == sent
+        assert await bus.publish_raw(POSES, {})
+
+
+@pytest.mark.parametrize("batch", [b"", b"[]", b"{", b'{"wifibot-14": }', b"\xff", b'{"a": 1} x'])
+async def test_a_damaged_batch_is_skipped(bus: Bus, batch: bytes) -> None:
+    await bus.publish(POSES, "wifibot-14", pose())
+    async with subscribed(bus, POSES) as subscription:
+        await following(subscription)
+        await bus.redis.publish(keys.batch(POSES.name), batch)
+        await bus.redis.publish(keys.batch(POSES.name), b'{"wifibot-15": {}}')
+        await bus.publish(POSES, "wifibot-15", pose("wifibot-15"))
+        assert (await following(subscription)).message == pose("wifibot-15")
+
+
 async def test_a_subscription_goes_on_after_redis_was_killed(bus: Bus, redis_server: RedisServer) -> None:
     await bus.publish(POSES, "wifibot-14", pose(x=1.0))
     async with subscribed(bus, POSES) as subscription:
@@ -104,8 +138,8 @@ async def test_a_subscription_goes_on_after_redis_was_killed(bus: Bus, redis_ser
 class Racing(Bus):
     """Publishes at the worst moment: just after a subscriber has read what is current."""
 
-    async def latest_all(self, channel: Channel[M]) -> dict[str, M]:
-        current = await super().latest_all(channel)
+    async def latest_raw(self, channel: Channel[Any]) -> dict[str, bytes]:
+        current = await super().latest_raw(channel)
         if channel is POSES:
             await self.publish(POSES, "wifibot-14", pose(x=7.0))
         return current

@@ -58,6 +58,35 @@ async def test_a_slow_robot_misses_old_commands_but_never_the_newest() -> None:
     assert len(feeds) == 0
 
 
+async def test_a_command_goes_out_as_it_came_but_on_one_line() -> None:
+    feeds = CommandFeeds()
+    feeds.stop(EmergencyStop(engaged=False))
+    stream = command_stream(feeds, ROBOT, CLOCK, _yes)
+    await anext(stream)
+    order = command(ROBOT, 1)
+    plain = order.model_dump_json().encode()
+    spaced = plain.replace(b",", b", ")
+    for encoded, sent in ((spaced, spaced), (plain.replace(b",", b",\n"), plain), (plain.replace(b",", b",\r"), plain)):
+        feeds.command(order, encoded)
+        assert await anext(stream) == b"event: command\ndata: " + sent + b"\n\n"
+    await stream.aclose()
+
+
+async def test_something_is_said_every_half_second() -> None:
+    feeds = CommandFeeds()
+    feeds.stop(EmergencyStop(engaged=False))
+    stream = command_stream(feeds, ROBOT, CLOCK, _yes)
+    await anext(stream)
+    loop = asyncio.get_running_loop()
+    for wait_s in (0.2, 0.0):
+        loop.call_later(wait_s, feeds.command, command(ROBOT, 1))
+        assert (await anext(stream)).startswith(b"event: command\n")
+    began_s = loop.time()
+    assert await anext(stream) == b": keep-alive\n\n"
+    assert 0.45 < loop.time() - began_s < 1.0
+    await stream.aclose()
+
+
 async def test_no_command_goes_out_before_the_latch_is_known() -> None:
     feeds = CommandFeeds()
     feeds.command(command(ROBOT, 1))

@@ -9,7 +9,7 @@ import subprocess
 import sys
 import time
 from collections.abc import AsyncGenerator, AsyncIterator, Awaitable, Callable, Iterator
-from contextlib import asynccontextmanager, suppress
+from contextlib import aclosing, asynccontextmanager, suppress
 from pathlib import Path
 
 import pytest
@@ -19,10 +19,11 @@ from protocol.bus import Bus
 from protocol.channels import COMMANDS, EMERGENCY_STOP, EVENTS, GUIDANCE, LAB_INSTANCE, OBSTACLES, POSES, STATUSES
 from protocol.clock import SimulatedClock, SystemClock
 from protocol.codec import decode, encode
-from protocol.messages import Assignment, AssignmentState, Command, EmergencyStop, Movement, ReasonCode
+from protocol.messages import Assignment, AssignmentState, Command, EmergencyStop, Movement, Reason, ReasonCode
 from server.guidance.fleet import Guidance
 from server.guidance.parameters import GuidanceParameters
 from server.guidance.service import GuidanceService
+from server.guidance.snapshot import Outcome
 from server.guidance.store import GuidanceStore
 from tests.redis_fixture import RedisServer
 from tests.server.guidance_scenario import LAB, ROBOT, Course, assignment, raster, status, tracked
@@ -115,6 +116,31 @@ async def test_it_commands_every_vehicle_and_advances_the_assignment(bus: Bus) -
     assert state.reason.code is ReasonCode.ROUTE
     kinds = [item.message.kind for item in await bus.history(EVENTS)]
     assert "guidance_active" in kinds
+
+
+async def test_a_large_fleet_is_told_in_one_go(bus: Bus) -> None:
+    store, robots = GuidanceStore(bus.redis, SystemClock()), [f"robot-{number}" for number in range(2500)]
+    epoch = await store.acquire(0)
+    assert epoch is not None
+    commands = {
+        robot: Command(
+            robot=robot,
+            epoch=epoch,
+            sequence=number,
+            stamp_ns=1,
+            deadline_ns=2,
+            movement=Movement.NO_ACTION,
+            reason=Reason(code=ReasonCode.IDLE),
+        )
+        for number, robot in enumerate(robots)
+    }
+    async with aclosing(bus.subscribe_raw(COMMANDS)) as said:
+        assert not (await anext(said)).messages
+        assert await store.say(Outcome(commands=commands, states={}, changes=(), events=()), epoch)
+        together = (await anext(said)).messages
+    assert {robot: decode(Command, data) for robot, data in together.items()} == commands
+    assert await bus.latest_all(COMMANDS) == commands
+    assert await bus.latest_all(GUIDANCE) == {}
 
 
 async def test_an_assignment_that_somebody_changed_meanwhile_is_left_alone(bus: Bus) -> None:

@@ -78,6 +78,18 @@ def test_the_key_alone_tells_a_change() -> None:
     assert not sections.commit()
 
 
+def test_some_entries_may_be_set_alone() -> None:
+    sections, reader = Sections(), Reader()
+    sections.put("waypoints", {"a": Item(Thing(value=1))})
+    sections.put("waypoints", {"b": Item(Thing(value=2))})
+    assert sections.commit()
+    sections.put("waypoints", {"b": Item(Thing(value=3))})
+    reader.read(sections)
+    assert sections.commit()
+    reader.read(sections)
+    assert reader.things == {"a": {"value": 1}, "b": {"value": 3}}
+
+
 def test_one_who_lags_too_far_behind_gets_a_snapshot(monkeypatch: Any) -> None:
     monkeypatch.setattr(module, "_TOMBSTONES", 4)
     sections = Sections()

@@ -175,6 +175,22 @@ async def test_it_goes_on_after_redis_was_away(redis_server: RedisServer) -> Non
         await until(kept)
 
 
+async def test_a_burst_of_datagrams_is_taken_whole(redis_url: str) -> None:
+    async with served(redis_url) as (service, _):
+        robots = {name: Robot(service, name) for name in ("wifibot-14", "wifibot-15")}
+        # All of it waits in the socket: this loop, which the server shares, does nothing else meanwhile.
+        for number in range(1, 101):
+            for name, robot in robots.items():
+                robot.send(status(name, CLOCK.now_ns(), number))
+        await _counted(service, "accepted", 200)
+
+        async def newest() -> bool:
+            return {name: kept.sequence for name, kept in (await _kept(service)).items()} == dict.fromkeys(robots, 100)
+
+        await until(newest)
+        assert service.context.listener.view().received == 200
+
+
 async def test_ten_thousand_mutated_datagrams_are_counted_and_without_effect(redis_url: str) -> None:
     rng, bus = random.Random(3), Bus.connect(redis_url)
     listener = StatusListener(bus, gulliver(), CLOCK, KEY)
