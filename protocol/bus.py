@@ -25,7 +25,7 @@ from protocol.channels import Channel, Delivery
 from protocol.clock import Clock, SystemClock
 from protocol.codec import decode, encode
 from protocol.errors import BusUnavailableError, DecodeError
-from protocol.redis_connection import make_leavable
+from protocol.redis_connection import PatientPool
 
 M = TypeVar("M", bound=BaseModel | Struct)
 _logger = logging.getLogger(__name__)
@@ -118,14 +118,13 @@ class Bus:
     @classmethod
     def connect(cls, url: str, clock: Clock | None = None) -> Self:
         """Connects lazily: nothing fails before the first call."""
-        client = redis.asyncio.Redis.from_url(
+        pool = PatientPool.from_url(
             url,
             socket_timeout=_TIMEOUT_S,
             socket_connect_timeout=_TIMEOUT_S,
             retry=AsyncRetry(NoBackoff(), 1, _RETRIED),
         )
-        make_leavable(client)
-        return cls(client, clock)
+        return cls(redis.asyncio.Redis.from_pool(pool), clock)
 
     async def publish(self, channel: Channel[M], instance: str, message: M) -> bool:
         """Whether Redis took the message; see the module on what happens when it did not."""

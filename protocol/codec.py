@@ -1,6 +1,7 @@
 """Messages to bytes and back: JSON for pydantic models and msgspec structs alike, one DecodeError."""
 
-from functools import cache
+from collections.abc import Callable
+from functools import cache, partial
 from typing import Any, TypeVar
 
 import msgspec
@@ -21,9 +22,7 @@ def encode(message: BaseModel | msgspec.Struct) -> bytes:
 def decode(kind: type[M], data: bytes | str) -> M:
     """The message in `data`; DecodeError, naming the kind and the field, when it is none."""
     try:
-        if issubclass(kind, BaseModel):
-            return kind.model_validate_json(data, strict=True)  # as msgspec: "0.3" is no number
-        return _struct_decoder(kind).decode(data)
+        return _decoder(kind)(data)
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
         where = ".".join(str(part) for part in first["loc"])
@@ -33,5 +32,7 @@ def decode(kind: type[M], data: bytes | str) -> M:
 
 
 @cache
-def _struct_decoder(kind: type[Any]) -> msgspec.json.Decoder[Any]:
-    return msgspec.json.Decoder(kind)
+def _decoder(kind: type[Any]) -> Callable[[bytes | str], Any]:
+    if issubclass(kind, BaseModel):
+        return partial(kind.model_validate_json, strict=True)  # as msgspec: "0.3" is no number
+    return msgspec.json.Decoder(kind).decode

@@ -58,6 +58,7 @@ MESSAGES: dict[Kind, type[BaseModel | Struct]] = {
     Kind.DRIVE: DriveSetpoint,
     Kind.ODOMETRY: Odometry,
 }
+_MESSAGES_BY_NUMBER = {int(kind): message for kind, message in MESSAGES.items()}
 _KINDS: dict[type[BaseModel | Struct], Kind] = {message: kind for kind, message in MESSAGES.items()}
 
 
@@ -121,10 +122,9 @@ def unpack(data: bytes, key: bytes | None = None) -> Datagram:
             raise DecodeError("datagram is not signed, a key is configured")
         if not hmac.compare_digest(hmac.digest(key, data[:body_size], sha256), data[body_size:]):
             raise DecodeError("datagram signature does not match")
-    try:
-        kind = Kind(kind_number)
-    except ValueError as error:
-        raise DecodeError(f"unknown datagram kind {kind_number}") from error
+    message_type = _MESSAGES_BY_NUMBER.get(kind_number)
+    if message_type is None:
+        raise DecodeError(f"unknown datagram kind {kind_number}")
     try:
         sender = data[_HEADER.size : _HEADER.size + sender_size].decode()
     except UnicodeDecodeError as error:
@@ -132,7 +132,7 @@ def unpack(data: bytes, key: bytes | None = None) -> Datagram:
     if not sender:
         raise DecodeError("datagram without a sender")
     payload = data[_HEADER.size + sender_size : body_size]
-    return Datagram(sender, sequence, stamp_ns, decode(MESSAGES[kind], payload), payload)
+    return Datagram(sender, sequence, stamp_ns, decode(message_type, payload), payload)
 
 
 class Verdict(StrEnum):

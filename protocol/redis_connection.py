@@ -1,16 +1,26 @@
-"""Redis connections whose commands a cancelled task can leave.
+"""Redis connections whose commands a cancelled task can leave, from a pool at which many tasks may wait.
 
 redis-py sends each command through `asyncio.wait_for`, which before Python 3.12 drops a cancellation that arrives in the
 same turn of the event loop as the end of what it waits for: a task that is told to stop goes on for ever. Here such a
 command ends with the cancellation after all, and its connection is closed because nobody will read the answer.
+
+redis-py's pool refuses whoever comes when all its connections are taken: when a server comes back, and hundreds of robots with
+it, most would be told that Redis is out of reach. Here they wait their turn. (Its own pool that waits loses a connection when
+the task that gives it back is cancelled at the wrong moment.)
 """
 
 import asyncio
+from collections import deque
 from collections.abc import Iterable
 from typing import Any
 
 import redis.asyncio
 from redis.asyncio.connection import AbstractConnection
+from redis.exceptions import MaxConnectionsError
+from redis.exceptions import TimeoutError as RedisTimeoutError
+
+MOST_CONNECTIONS = 64
+"""Redis does one thing at a time: more of them only wait elsewhere."""
 
 
 class _LeavableConnection(AbstractConnection):
@@ -25,8 +35,53 @@ class _LeavableConnection(AbstractConnection):
             raise asyncio.CancelledError
 
 
-def make_leavable(client: redis.asyncio.Redis) -> None:
-    """Makes the client's future connections end their commands when their task is cancelled."""
-    pool = client.connection_pool
-    plain: Any = pool.connection_class
-    pool.connection_class = type(f"Leavable{plain.__name__}", (_LeavableConnection, plain), {})
+class PatientPool(redis.asyncio.ConnectionPool):
+    """Its connections are leavable. Who gets none within `patience_s` is told by redis' TimeoutError."""
+
+    def __init__(self, *, patience_s: float = 2.0, **settings: Any) -> None:
+        super().__init__(**{"max_connections": MOST_CONNECTIONS, **settings})
+        plain: Any = self.connection_class
+        self.connection_class = type(f"Leavable{plain.__name__}", (_LeavableConnection, plain), {})
+        self._patience_s = patience_s
+        self._waiting: deque[asyncio.Future[None]] = deque()
+
+    async def get_connection(self, *_arguments: Any, **_options: Any) -> AbstractConnection:
+        while True:
+            if not self.can_get_connection():
+                await self._wait_for_one()
+            try:
+                return await super().get_connection()
+            except MaxConnectionsError:  # somebody was quicker
+                continue
+
+    async def release(self, connection: AbstractConnection) -> None:
+        try:
+            await super().release(connection)
+        finally:
+            self._wake()
+
+    async def _wait_for_one(self) -> None:
+        try:
+            async with asyncio.timeout(self._patience_s):
+                while not self.can_get_connection():
+                    await self._turn()
+        except TimeoutError as error:
+            raise RedisTimeoutError(f"no connection to Redis became free in {self._patience_s:g} s") from error
+
+    async def _turn(self) -> None:
+        """Until a connection may be free."""
+        woken: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+        self._waiting.append(woken)
+        try:
+            await woken
+        except BaseException:
+            if woken.done() and not woken.cancelled():
+                self._wake()  # the turn is somebody else's then
+            raise
+
+    def _wake(self) -> None:
+        while self._waiting:
+            first = self._waiting.popleft()
+            if not first.done():
+                first.set_result(None)
+                return

@@ -1,6 +1,5 @@
 """`python -m server`: the fleet service, until SIGTERM or Ctrl-C."""
 
-import asyncio
 import errno
 import logging
 import os
@@ -14,7 +13,7 @@ from protocol.lab import load_lab
 from protocol.settings import Settings
 from server.app import create_app
 from server.configuration import configuration
-from server.serving import datagrams, listening, server
+from server.serving import datagrams, listening, run, server
 
 _CONSOLE = Path(__file__).parents[1] / "web" / "dist"
 
@@ -34,7 +33,7 @@ def main() -> None:
         _bound(datagrams, resolved.host, resolved.udp_port, " (UDP)", f"ports.robots_udp in {settings.lab}") as robots,
     ):
         serving = server(create_app(resolved, lab, robots))
-        asyncio.run(serving.serve(sockets=[console]))
+        run(serving, console)
     if not serving.started:
         sys.exit(1)
 

@@ -76,15 +76,16 @@ async def _whoever_stops(
     return _operator_or_robot(known)
 
 
-def _viewer(identity: Somebody) -> Identity:
+# Not plain functions: FastAPI would send each to a thread and back.
+async def _viewer(identity: Somebody) -> Identity:
     return _require(identity, Role.VIEWER)
 
 
-def _operator(identity: Somebody) -> Identity:
+async def _operator(identity: Somebody) -> Identity:
     return _require(identity, Role.OPERATOR)
 
 
-def _admin(identity: Somebody) -> Identity:
+async def _admin(identity: Somebody) -> Identity:
     return _require(identity, Role.ADMIN)
 
 
@@ -92,13 +93,13 @@ def _operator_or_robot(identity: Identity) -> Identity:
     return identity if identity.role is Role.ROBOT else _require(identity, Role.OPERATOR)
 
 
-def _this_robot(identity: Somebody, robot_id: RobotId) -> Identity:
+async def _this_robot(identity: Somebody, robot_id: RobotId) -> Identity:
     if not identity.is_robot(robot_id):
         raise HTTPException(403, f"this needs a token of role robot for {robot_id}")
     return identity
 
 
-def _this_robot_or_operator(identity: Somebody, robot_id: RobotId) -> Identity:
+async def _this_robot_or_operator(identity: Somebody, robot_id: RobotId) -> Identity:
     return identity if identity.is_robot(robot_id) else _require(identity, Role.OPERATOR)
 
 

@@ -1,6 +1,6 @@
 """What the routes share for the life of the app: built by the lifespan, handed to each route as a dependency."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Annotated, cast
 
 import httpx
@@ -33,7 +33,7 @@ from server.status_listener import StatusListener
 
 @dataclass(slots=True)
 class Context:
-    """The service's parts."""
+    """The service's parts; `introduced` holds the session of each robot's newest registration with this server."""
 
     configuration: Configuration
     lab: Lab
@@ -57,6 +57,7 @@ class Context:
     objects: SimulatedObjectRepository
     faults: CameraFaultRepository
     calibration: CalibrationRepository
+    introduced: dict[str, str] = field(default_factory=dict[str, str])
 
     @classmethod
     def build(
@@ -105,7 +106,8 @@ class Context:
         raise NotFoundError(f"there is no robot {robot!r} in lab {self.lab.name!r}")
 
 
-def _context(connection: HTTPConnection) -> Context:
+async def _context(connection: HTTPConnection) -> Context:
+    # Not a plain function: FastAPI would send each request to a thread and back.
     return cast("Context", connection.app.state.context)
 
 

@@ -1,4 +1,4 @@
-"""Introduces the robot to the server: at the start, every few seconds, and after each reconnection."""
+"""Introduces the robot to the server: at the start, as often as the server asks for, and after each reconnection."""
 
 import asyncio
 import logging
@@ -12,6 +12,7 @@ from agents.link.http import SLOW_RETRY_S, is_hopeless, sentence
 from protocol.clock import Clock
 
 PERIOD_S = 5.0
+"""Where the server does not say how soon to come again."""
 _logger = logging.getLogger(__name__)
 
 
@@ -24,10 +25,12 @@ class Introduction(BaseModel):
 
 
 class Welcome(BaseModel):
-    """The answer: the server's UDP port for statuses and how often poses come. Later servers may say more."""
+    """The answer: the server's UDP port for statuses, how often poses come, and how soon to register again (s). Later servers may
+    say more."""
 
     robots_udp: int = Field(gt=0, lt=65536)
     pose_rate_hz: float = Field(ge=0)
+    again_s: float = Field(default=PERIOD_S, ge=1.0, le=60.0)
 
 
 class Registrar:
@@ -59,7 +62,7 @@ class Registrar:
         while True:
             self._wanted.clear()
             try:
-                await self._register()
+                welcome = await self._register()
             except (httpx.HTTPError, ValidationError, OSError) as error:
                 self.trouble.note(sentence(error))
                 hopeless = isinstance(error, httpx.HTTPStatusError) and is_hopeless(error.response.status_code)
@@ -67,15 +70,17 @@ class Registrar:
                 continue
             self.trouble.over()
             backoff.reset()
-            await self._until_due()
+            await self._until_due(welcome.again_s)
 
-    async def _register(self) -> None:
+    async def _register(self) -> Welcome:
         response = await self._client.post(self._path, json=self._introduction.model_dump())
         response.raise_for_status()
-        await self._on_welcome(Welcome.model_validate_json(response.content))
+        welcome = Welcome.model_validate_json(response.content)
+        await self._on_welcome(welcome)
+        return welcome
 
-    async def _until_due(self) -> None:
-        waits = {asyncio.ensure_future(self._clock.sleep(PERIOD_S)), asyncio.ensure_future(self._wanted.wait())}
+    async def _until_due(self, seconds: float) -> None:
+        waits = {asyncio.ensure_future(self._clock.sleep(seconds)), asyncio.ensure_future(self._wanted.wait())}
         try:
             await asyncio.wait(waits, return_when=asyncio.FIRST_COMPLETED)
         finally:

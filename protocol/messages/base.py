@@ -8,6 +8,8 @@ from pydantic_core import PydanticCustomError
 
 
 def _refuse_text(value: object) -> object:
+    if type(value) is int:  # nearly always: this is on the way of every status and command
+        return value
     if isinstance(value, bool | str | bytes):
         raise PydanticCustomError("int_type", "Input should be a valid integer")
     return value

@@ -5,6 +5,7 @@ its comments: the robot hears no fresh command and stops by itself.
 """
 
 import asyncio
+import random
 from collections.abc import AsyncGenerator, Awaitable, Callable
 from typing import Self
 
@@ -22,7 +23,8 @@ async def command_stream(
 ) -> AsyncGenerator[bytes, None]:
     """The stream's bytes until the service ends or `may_listen`, asked now and then, says no."""
     told = False
-    checked_s = clock.monotonic_s()
+    # Streams that were opened together, as after a restart of the server, are not checked together.
+    checked_s = clock.monotonic_s() - random.uniform(0.0, 0.5) * _CHECK_EVERY_S
     with feeds.open(robot) as feed, _Silence(KEEP_ALIVE_S, feed.woken) as silence:
         while not feeds.closed:
             if clock.monotonic_s() - checked_s > _CHECK_EVERY_S:

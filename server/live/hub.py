@@ -52,7 +52,7 @@ from protocol.messages import (
 from server.health import HealthInputs, health_view
 from server.live.feeds import CommandFeeds
 from server.live.latch import EmergencyStopLatch
-from server.live.newest import NewestMessages, decoded_or_none
+from server.live.newest import NewestMessages, decoded_or_none, orders
 from server.live.reading import read_extrinsics
 from server.live.sections import Item, Sections
 from server.repositories.camera_faults import CAMERA_FAULTS
@@ -172,18 +172,15 @@ class LiveHub:
 
     def _take(self, received: ReceivedRaw) -> None:
         """What robots wait for goes on at once, the rest when somebody looks."""
-        if received.channel in (EMERGENCY_STOP, COMMANDS):
+        if received.channel is EMERGENCY_STOP:
             for instance, data in received.messages.items():
-                message = decoded_or_none(received.channel, instance, data)
-                if message is None:
-                    continue
-                if received.channel is EMERGENCY_STOP:
-                    self.feeds.stop(message)
-                else:
-                    self.feeds.command(message, data)
-                self._newest.put(received.channel, {instance: message})
-        else:
-            self._newest.take(received)
+                if (stop := decoded_or_none(EMERGENCY_STOP, instance, data)) is not None:
+                    self.feeds.stop(stop)
+        elif received.channel is COMMANDS:
+            received = ReceivedRaw(COMMANDS, orders(received.messages))
+            for robot, data in received.messages.items():
+                self.feeds.command(robot, data)
+        self._newest.take(received)
         self._dirty.set()
 
     def _guidance_changed(self, before: GuidanceState | None, now: GuidanceState) -> None:

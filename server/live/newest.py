@@ -5,12 +5,27 @@ import logging
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
+import msgspec
+
 from protocol.bus import ReceivedRaw
-from protocol.channels import Channel
+from protocol.channels import COMMANDS, Channel
 from protocol.codec import decode
 from protocol.errors import DecodeError
 
 _logger = logging.getLogger(__name__)
+
+
+class _Order(msgspec.Struct):
+    """What makes a command one, at a fifth of the time that checking all of it takes."""
+
+    robot: str
+    epoch: int
+    sequence: int
+    stamp_ns: int
+    deadline_ns: int
+
+
+_ORDERS = msgspec.json.Decoder(_Order)
 
 
 class NewestMessages:
@@ -26,10 +41,6 @@ class NewestMessages:
     def take(self, received: ReceivedRaw) -> None:
         """Keeps them for when somebody looks."""
         self._waiting[received.channel.name].update(received.messages)
-
-    def put(self, channel: Channel[Any], messages: Mapping[str, Any]) -> None:
-        """Keeps some that are decoded."""
-        self._decoded[channel.name].update(messages)
 
     def replace(self, channel: Channel[Any], messages: dict[str, Any]) -> None:
         """Makes these the whole of a channel."""
@@ -66,3 +77,20 @@ def decoded_or_none(channel: Channel[Any], instance: str, data: bytes) -> Any:
     except DecodeError as error:
         _logger.warning("ignored a message on %s of %s: %s", channel.name, instance, error)
         return None
+
+
+def orders(messages: Mapping[str, bytes]) -> dict[str, bytes]:
+    """The commands among them, by robot. One that comes alone is looked at whole. Of many at once, which guidance alone says, all
+    of the JSON is read but not every field: the robots check each for themselves."""
+    found: dict[str, bytes] = {}
+    for robot, data in messages.items():
+        if len(messages) == 1:
+            command = decoded_or_none(COMMANDS, robot, data)
+            if command is not None:
+                found[command.robot] = data
+            continue
+        try:
+            found[_ORDERS.decode(data).robot] = data
+        except (msgspec.MsgspecError, UnicodeDecodeError) as error:
+            _logger.warning("ignored a message on %s of %s: %s", COMMANDS.name, robot, error)
+    return found

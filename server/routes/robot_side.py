@@ -12,7 +12,7 @@ from protocol.channels import POSES, REGISTRATIONS, RESPONSES
 from protocol.errors import DecodeError
 from protocol.messages import Event, EventLevel, Registration
 from server.access import RobotId, ThisRobot, ThisRobotOrOperator, identify
-from server.context import Ctx
+from server.context import Context, Ctx
 from server.errors import InvalidError, UnavailableError
 from server.live.command_stream import command_stream
 from server.repositories.history import record
@@ -36,11 +36,16 @@ class Introduction(Body):
     session: Annotated[str, Field(max_length=64)] = ""
 
 
+_REGISTRATIONS_HZ = 40.0
+"""So many a second are enough."""
+
+
 class RegistrationView(View):
-    """Where the robot sends its STATUS datagrams, and how often to expect poses."""
+    """Where the robot sends its STATUS datagrams, how often to expect poses, and how soon to register again."""
 
     robots_udp: int
     pose_rate_hz: float
+    again_s: float
 
 
 @router.post("/registration", summary="Register a robot", responses=refusals(404))
@@ -49,10 +54,9 @@ async def register_robot(
 ) -> RegistrationView:
     """Tells where the robot listens: the address that this request comes from, and the port in it."""
     context.vehicle(robot_id)
-    try:
-        old = await context.bus.latest(REGISTRATIONS, robot_id)
-    except DecodeError:
-        old = None  # a damaged one is replaced
+    known = context.introduced.get(robot_id)
+    if known != introduction.session:  # else it is one of those that come every few seconds
+        known = await _registered_session(context, robot_id)
     registration = Registration(
         robot=robot_id,
         kind=introduction.kind,
@@ -63,13 +67,31 @@ async def register_robot(
     )
     if not await context.bus.publish(REGISTRATIONS, robot_id, registration):
         raise UnavailableError("Redis is out of reach; register again")
-    if old is None or old.session != registration.session:
+    context.introduced[robot_id] = registration.session
+    if known != registration.session:
         context.listener.forget(robot_id)
         text = f"{robot_id} registered from {registration.host}:{registration.udp_port}"
         now_ns = context.clock.now_ns()
         event = Event(stamp_ns=now_ns, level=EventLevel.INFO, source=identity.name, kind="robot_registered", text=text)
         await record(context.bus, event)
-    return RegistrationView(robots_udp=context.listener.port, pose_rate_hz=POSES.rate_hz)
+    return RegistrationView(
+        robots_udp=context.listener.port, pose_rate_hz=POSES.rate_hz, again_s=_again_s(len(context.lab.vehicles))
+    )
+
+
+def _again_s(robots: int) -> float:
+    """As often as the channel says; a large fleet's robots less often, but before they count as missing."""
+    usual_s = 1.0 / REGISTRATIONS.rate_hz
+    return min(max(usual_s, robots / _REGISTRATIONS_HZ), 0.8 * REGISTRATIONS.stale_after_s)
+
+
+async def _registered_session(context: Context, robot_id: str) -> str | None:
+    """That of the robot's newest registration with any server; None when there is none, or a damaged one."""
+    try:
+        old = await context.bus.latest(REGISTRATIONS, robot_id)
+    except DecodeError:
+        return None
+    return None if old is None else old.session
 
 
 @router.get(

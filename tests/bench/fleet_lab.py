@@ -1,5 +1,6 @@
 """A lab for many robots: a hall of theirs, one per square metre and a half, on ports that are free."""
 
+import json
 import math
 import socket
 from pathlib import Path
@@ -17,21 +18,28 @@ def write_fleet_lab(folder: Path, robots: int) -> tuple[Path, Lab]:
     """A lab file with that many robots of the reports' first kind, without cameras, and what it says. ValueError for none."""
     if robots < 1:
         raise ValueError(f"a fleet has at least one robot, not {robots}")
-    model = load_lab(DEFAULT_LAB).vehicles[0].model_dump(mode="json", exclude_none=True)
+    first = load_lab(DEFAULT_LAB).vehicles[0]
+    model = first.model_dump(mode="json", exclude_none=True, exclude={"id", "tag"})
     width = _PITCH_M * math.ceil(math.sqrt(robots))
     http, robots_udp, scene = _free_ports(3)
     lab = {
         "name": "fleet",
         "areas": [{"id": AREA, "outline": [[0.0, 0.0], [width, 0.0], [width, width], [0.0, width]]}],
         "floor_tags": {"size_m": 0.16, "poses": {}},
-        "vehicles": [
-            {**model, "id": f"robot-{number:04d}", "tag": {**model["tag"], "id": number}} for number in range(robots)
-        ],
         "ports": {"http": http, "robots_udp": robots_udp, "scene": scene},
     }
+    # The rest by hand: what all robots share is written once, as people write lab files, else reading it takes seconds.
+    tag = f"size_m: {first.tag.size_m}, height_m: {first.tag.height_m}"
+    shared = json.dumps(model)[1:-1]
+    vehicles = [f"  - &robot {{id: {_name(0)}, tag: {{id: 0, {tag}}}, {shared}}}"]
+    vehicles += [f"  - {{<<: *robot, id: {_name(n)}, tag: {{id: {n}, {tag}}}}}" for n in range(1, robots)]
     path = folder / "fleet.yaml"
-    path.write_text(yaml.safe_dump(lab))
+    path.write_text(yaml.safe_dump(lab) + "\n".join(["vehicles:", *vehicles, ""]))
     return path, load_lab(path)
+
+
+def _name(number: int) -> str:
+    return f"robot-{number:04d}"
 
 
 def place(number: int, robots: int) -> tuple[float, float]:

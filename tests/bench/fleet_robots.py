@@ -1,7 +1,8 @@
 """The load: a process that plays many robots over loopback. Each has a UDP socket of its own for its statuses, an open stream of
-commands, and registers every few seconds, at the rates and in the words of `agents`."""
+commands, and registers as often as the server asks for, at the rates and in the words of `agents`."""
 
 import re
+import resource
 import select
 import socket
 import time
@@ -23,7 +24,7 @@ _AT_ONCE = 50
 """So many robots come up at the same time."""
 _SLICE_S = 0.001
 _PIECE = 65536
-_ROBOTS_UDP = re.compile(rb'"robots_udp":(\d+)')
+_WELCOME = re.compile(rb'"robots_udp":(\d+),.*"again_s":([0-9.]+)')
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,6 +68,8 @@ class _Robot:
 def play(connection: Connection, load: Load) -> None:  # pragma: no cover  # runs in a process of its own
     """Sends None once all robots hear commands; then waits for `count`, `stop`, and answers with what was Played. Any text is
     what went wrong."""
+    _, most_files = resource.getrlimit(resource.RLIMIT_NOFILE)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (most_files, most_files))  # each robot has up to three
     try:
         robots = Robots(load)
         robots.come_up()
@@ -92,6 +95,7 @@ class Robots:
         self._sent = 0
         self._begun_s = self._registered_s = time.monotonic()
         self._next_status = self._next_registration = 0
+        self._again_s = PERIOD_S
         self.count()
 
     def count(self) -> None:
@@ -138,7 +142,7 @@ class Robots:
             robot.udp.send(robot.reporter.datagram(time.time_ns()))
             self._next_status += 1
             self._sent += 1
-        due = int((now_s - self._registered_s) / PERIOD_S * len(robots))
+        due = int((now_s - self._registered_s) / self._again_s * len(robots))
         while self._next_registration < due:
             robot = robots[self._next_registration % len(robots)]
             if robot.registering is None:
@@ -195,7 +199,7 @@ class Robots:
         assert robot.registering is not None
         data = robot.registering.recv(_PIECE)
         robot.answer += data
-        found = _ROBOTS_UDP.search(robot.answer)
+        found = _WELCOME.search(robot.answer)
         if not data and found is None:
             raise RuntimeError(f"{robot.name} could not register: {robot.answer[:200]!r}")
         if found is None:
@@ -203,6 +207,7 @@ class Robots:
         if not robot.registered:
             robot.udp.connect((_HOST, int(found[1])))
             robot.registered = True
+            self._again_s = float(found[2])
         del self._by_socket[robot.registering.fileno()]
         self._epoll.unregister(robot.registering)
         robot.registering.close()

@@ -7,6 +7,7 @@ import redis.asyncio
 
 from protocol.channels import COMMANDS
 from protocol.clock import SystemClock
+from protocol.codec import encode
 from protocol.messages import EmergencyStop
 from server.live.command_stream import command_stream
 from server.live.feeds import CommandFeeds
@@ -47,10 +48,10 @@ async def test_a_slow_robot_misses_old_commands_but_never_the_newest() -> None:
     stream = command_stream(feeds, ROBOT, CLOCK, _yes)
     assert (await anext(stream)).startswith(b"event: emergency_stop\n")
     for sequence in range(1, 100):
-        feeds.command(command(ROBOT, 1, sequence))
+        feeds.command(ROBOT, encode(command(ROBOT, 1, sequence)))
     newest = json.loads((await anext(stream)).split(b"data: ")[1])
     assert newest["sequence"] == 99
-    feeds.command(command(ROBOT, 1, 100))
+    feeds.command(ROBOT, encode(command(ROBOT, 1, 100)))
     feeds.stop(EmergencyStop(engaged=True, epoch=1, stamp_ns=5))
     assert (await anext(stream)).startswith(b"event: emergency_stop\n")
     assert json.loads((await anext(stream)).split(b"data: ")[1])["sequence"] == 100
@@ -63,11 +64,10 @@ async def test_a_command_goes_out_as_it_came_but_on_one_line() -> None:
     feeds.stop(EmergencyStop(engaged=False))
     stream = command_stream(feeds, ROBOT, CLOCK, _yes)
     await anext(stream)
-    order = command(ROBOT, 1)
-    plain = order.model_dump_json().encode()
+    plain = encode(command(ROBOT, 1))
     spaced = plain.replace(b",", b", ")
-    for encoded, sent in ((spaced, spaced), (plain.replace(b",", b",\n"), plain), (plain.replace(b",", b",\r"), plain)):
-        feeds.command(order, encoded)
+    for encoded, sent in ((plain, plain), (plain.replace(b",", b",\n"), spaced), (plain.replace(b",", b",\r"), spaced)):
+        feeds.command(ROBOT, encoded)
         assert await anext(stream) == b"event: command\ndata: " + sent + b"\n\n"
     await stream.aclose()
 
@@ -79,7 +79,7 @@ async def test_something_is_said_every_half_second() -> None:
     await anext(stream)
     loop = asyncio.get_running_loop()
     for wait_s in (0.2, 0.0):
-        loop.call_later(wait_s, feeds.command, command(ROBOT, 1))
+        loop.call_later(wait_s, feeds.command, ROBOT, encode(command(ROBOT, 1)))
         assert (await anext(stream)).startswith(b"event: command\n")
     began_s = loop.time()
     assert await anext(stream) == b": keep-alive\n\n"
@@ -89,7 +89,7 @@ async def test_something_is_said_every_half_second() -> None:
 
 async def test_no_command_goes_out_before_the_latch_is_known() -> None:
     feeds = CommandFeeds()
-    feeds.command(command(ROBOT, 1))
+    feeds.command(ROBOT, encode(command(ROBOT, 1)))
     stream = command_stream(feeds, ROBOT, CLOCK, _yes)
     assert await anext(stream) == b": keep-alive\n\n"
     feeds.stop(EmergencyStop(engaged=True, reason="fire"))
@@ -183,7 +183,7 @@ async def test_registration(redis_url: str) -> None:
         robot = service.http("robot")
         body = {"kind": "wifibot", "udp_port": 4711, "session": "s1"}
         answer = await robot.post(f"/api/robots/{ROBOT}/registration", json=body)
-        assert answer.json() == {"robots_udp": service.udp_port, "pose_rate_hz": 15.0}
+        assert answer.json() == {"robots_udp": service.udp_port, "pose_rate_hz": 15.0, "again_s": 5.0}
         await robot.post(f"/api/robots/{ROBOT}/registration", json=body)
         await robot.post(f"/api/robots/{ROBOT}/registration", json={**body, "session": "s2"})
         registered = await _registration(redis_url)
