@@ -38,8 +38,8 @@ class _LeavableConnection(AbstractConnection):
 class PatientPool(redis.asyncio.ConnectionPool):
     """Its connections are leavable. Who gets none within `patience_s` is told by redis' TimeoutError."""
 
-    def __init__(self, *, patience_s: float = 2.0, **settings: Any) -> None:
-        super().__init__(**{"max_connections": MOST_CONNECTIONS, **settings})
+    def __init__(self, *, patience_s: float = 2.0, max_connections: int = MOST_CONNECTIONS, **settings: Any) -> None:
+        super().__init__(max_connections=max_connections, **settings)
         plain: Any = self.connection_class
         self.connection_class = type(f"Leavable{plain.__name__}", (_LeavableConnection, plain), {})
         self._patience_s = patience_s

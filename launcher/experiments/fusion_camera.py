@@ -83,7 +83,8 @@ def _gaps(camera: Camera, duration_s: float, rng: np.random.Generator) -> list[t
 def _outliers(count: int, share: float, rng: np.random.Generator) -> Array:
     """What is added to each pose (count, 3): nothing but for the share."""
     chosen = rng.random(count) < share
-    distance = np.exp(rng.uniform(*np.log(_OUTLIER_M), count))
+    nearest, farthest = (math.log(distance_m) for distance_m in _OUTLIER_M)
+    distance = np.exp(rng.uniform(nearest, farthest, count))
     direction = rng.uniform(-math.pi, math.pi, count)
     turn = rng.uniform(-math.pi, math.pi, count) * (rng.random(count) < 0.5)
     off = np.column_stack([distance * np.cos(direction), distance * np.sin(direction), turn])

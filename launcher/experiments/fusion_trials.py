@@ -91,6 +91,8 @@ def _drive(trial: Trial, speed_mps: float, lab: Lab) -> Run:
 
 
 def _cut(run: Run, longest_s: float) -> Run:
+    if longest_s >= run.duration_s:
+        return run
     kept = run.seconds <= longest_s
     until_ns = run.start_ns + round(longest_s * 1e9)
     odometry = tuple(reading for reading in run.odometry if reading.stamp_ns <= until_ns)

@@ -25,7 +25,7 @@ from tests.bench.fleet_system import System, running
 
 FLEETS = (10, 100, 1000)
 _WARM_UP_S = 5.0
-_SETTLE_S = 1.0
+_SETTLE_S = 0.5
 _UP_S = 180.0
 _END_S = 10.0
 

@@ -7,7 +7,7 @@ import secrets
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Generator, Mapping
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -28,8 +28,9 @@ from server.repositories.tokens import TokenRecord, digest
 from server.roles import Role
 
 MEASURED = (REDIS, SERVER, "guidance")
-_START_S = 60.0
+_START_S = 120.0
 _END_S = 10.0
+_LINES = 12
 _TICKS_PER_S = os.sysconf("SC_CLK_TCK")
 
 
@@ -54,7 +55,7 @@ class System:
 
 
 @contextmanager
-def running(lab: Lab, lab_file: Path, folder: Path) -> Iterator[System]:
+def running(lab: Lab, lab_file: Path, folder: Path) -> Generator[System]:
     """All three, answering; ended afterwards. LauncherError when one does not start."""
     state, url = folder / "state", server_url("127.0.0.1", lab.ports.http)
     redis_url, key = private_url(state, opened=False), secrets.token_bytes(32)
@@ -70,8 +71,12 @@ def running(lab: Lab, lab_file: Path, folder: Path) -> Iterator[System]:
             if process.name in MEASURED and process.name != REDIS:
                 argv, environment = python_argv(process), child_environment(settings, "")
                 begun[process.name] = stack.enter_context(_process(argv, environment, folder, process.name))
-        _wait_for(lambda: _answers(url), begun, folder)
-        yield System(url, redis_url, key, tokens, operator, {name: child.pid for name, child in begun.items()})
+        try:
+            _wait_for(lambda: _answers(url), begun)
+            yield System(url, redis_url, key, tokens, operator, {name: child.pid for name, child in begun.items()})
+        except LauncherError as error:
+            said = [f"{name}: {_last_said(folder / f'{name}.log')}" for name in begun if name != REDIS]
+            raise LauncherError("\n".join([str(error), *said])) from error
 
 
 def cpu_s(pid: int) -> float:
@@ -90,7 +95,7 @@ def _rss_mb(pid: int) -> float:
 @contextmanager
 def _process(
     argv: tuple[str, ...], environment: Mapping[str, str], folder: Path, name: str
-) -> Iterator[subprocess.Popen[bytes]]:
+) -> Generator[subprocess.Popen[bytes]]:
     """Dies with this process, whatever happens to it; its output is in the folder."""
     guarded = (sys.executable, "-I", "-S", str(GUARD), str(os.getpid()), "0", *argv)
     with (folder / f"{name}.log").open("wb") as log:
@@ -138,13 +143,17 @@ def _answers(url: str) -> bool:
         return False
 
 
-def _wait_for(ready: Callable[[], bool], begun: Mapping[str, subprocess.Popen[bytes]], folder: Path) -> None:
+def _last_said(log: Path) -> str:
+    lines = log.read_text(errors="replace").strip().splitlines()
+    return "\n  ".join(lines[-_LINES:]) if lines else "said nothing"
+
+
+def _wait_for(ready: Callable[[], bool], begun: Mapping[str, subprocess.Popen[bytes]]) -> None:
     deadline = time.monotonic() + _START_S
     while not ready():
         for name, child in begun.items():
             if child.poll() is not None:
-                log = (folder / f"{name}.log").read_text(errors="replace")
-                raise LauncherError(f"{name} ended with status {child.returncode}: {log[-2000:]}")
+                raise LauncherError(f"{name} ended with status {child.returncode}")
         if time.monotonic() > deadline:
             raise LauncherError(f"the server does not answer within {_START_S:g} s")
         time.sleep(0.05)

@@ -36,8 +36,7 @@ async def bus(redis_url: str) -> AsyncIterator[Bus]:
 
 @contextlib.asynccontextmanager
 async def subscribed(bus: Bus, *channels: Any, instance: str | None = None) -> AsyncGenerator[Subscription]:
-    subscription = cast("AsyncGenerator[Received[Any]]", bus.subscribe(*channels, instance=instance))
-    async with contextlib.aclosing(subscription):
+    async with contextlib.aclosing(bus.subscribe(*channels, instance=instance)) as subscription:
         yield subscription
 
 
