@@ -96,6 +96,7 @@ def figures(done: Run) -> dict[str, float | int]:
     found[f"{key}_lost"] = done.played.sent - done.accepted
     found[f"{key}_superseded"] = done.accepted - done.shown
     found[f"{key}_starved"] = done.played.starved
+    found[f"{key}_refused"] = done.played.refused
     cpu = {name: 100.0 * used / done.played.seconds for name, used in done.cpu_s.items()}
     found[f"{key}_cpu_percent"] = sum(cpu.values())
     found[f"{key}_cpu_percent_per_robot"] = sum(cpu.values()) / done.robots

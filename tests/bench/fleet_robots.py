@@ -7,6 +7,7 @@ import select
 import socket
 import time
 from array import array
+from collections import deque
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from multiprocessing.connection import Connection
@@ -23,6 +24,8 @@ _CONNECT_S = 120.0
 _AT_ONCE = 50
 """So many robots come up at the same time."""
 _SLICE_S = 0.001
+_RETRY_S = 0.5
+"""After the server refused or hung up, as agents do at first."""
 _PIECE = 65536
 _WELCOME = re.compile(rb'"robots_udp":(\d+),.*"again_s":([0-9.]+)')
 
@@ -38,13 +41,14 @@ class Load:
 
 @dataclass(frozen=True, slots=True)
 class Played:
-    """What the robots met since they were told to count: statuses and registrations sent, the ages of commands on arrival
-    (ms), how often a robot heard no fresh command for longer than its dead-man's limit, the time (s) and the processor time
-    of this process (s). `sent` is since the start."""
+    """What the robots met since they were told to count: statuses and registrations sent, how often the server refused one or
+    ended a stream, the ages of commands on arrival (ms), how often a robot heard no fresh command for longer than its dead-man's
+    limit, the time (s) and the processor time of this process (s). `sent` is since the start."""
 
     sent: int
     statuses: int
     registrations: int
+    refused: int
     command_ms: "array[float]"
     starved: int
     seconds: float
@@ -57,7 +61,7 @@ class _Robot:
     token: str
     reporter: Reporter
     udp: socket.socket
-    stream: socket.socket
+    stream: socket.socket | None = None
     reader: CommandReader = field(default_factory=CommandReader)
     registering: socket.socket | None = None
     answer: bytes = b""
@@ -92,6 +96,7 @@ class Robots:
         self._epoll = select.epoll()
         self._by_socket: dict[int, Callable[[], None]] = {}
         self._robots: list[_Robot] = []
+        self._later: deque[tuple[float, Callable[[], None]]] = deque()
         self._sent = 0
         self._begun_s = self._registered_s = time.monotonic()
         self._next_status = self._next_registration = 0
@@ -100,7 +105,7 @@ class Robots:
 
     def count(self) -> None:
         """Counts from now on."""
-        self._sent_before, self._registrations, self._starved = self._sent, 0, 0
+        self._sent_before, self._registrations, self._refused, self._starved = self._sent, 0, 0, 0
         self._command_ms: array[float] = array("d")
         self._counting_s, self._cpu_s = time.monotonic(), time.process_time()
 
@@ -108,7 +113,16 @@ class Robots:
         """Since `count`."""
         seconds, cpu = time.monotonic() - self._counting_s, time.process_time() - self._cpu_s
         statuses = self._sent - self._sent_before
-        return Played(self._sent, statuses, self._registrations, self._command_ms, self._starved, seconds, cpu)
+        return Played(
+            self._sent,
+            statuses,
+            self._registrations,
+            self._refused,
+            self._command_ms,
+            self._starved,
+            seconds,
+            cpu,
+        )
 
     def come_up(self) -> None:
         """Connects and registers all, some at a time. RuntimeError when one does not hear of its server in time."""
@@ -151,19 +165,28 @@ class Robots:
 
     def _hear(self, timeout_s: float) -> None:
         for descriptor, _ in self._epoll.poll(timeout_s):
-            self._by_socket[descriptor]()
+            hear = self._by_socket.get(descriptor)
+            if hear is not None:
+                hear()
+        while self._later and self._later[0][0] <= time.monotonic():
+            self._later.popleft()[1]()
 
     def _connected(self, name: str, count: int) -> _Robot:
         udp = socket.socket(type=socket.SOCK_DGRAM)
         udp.bind((_HOST, 0))
         number = len(self._robots)
         reporter = Reporter(name, *place(number, count), self._load.key, Sequencer(time.time_ns()).next())
-        robot = _Robot(name, self._load.tokens[name], reporter, udp, self._opened())
-        self._watch(robot.stream, lambda: self._hear_stream(robot))
-        robot.stream.sendall(_request("GET", name, "commands", robot.token))
+        robot = _Robot(name, self._load.tokens[name], reporter, udp)
+        self._follow(robot)
         self._register(robot)
         self._robots.append(robot)
         return robot
+
+    def _follow(self, robot: _Robot) -> None:
+        """Opens its stream of commands."""
+        robot.stream, robot.reader = self._opened(), CommandReader()
+        self._watch(robot.stream, lambda: self._hear_stream(robot))
+        robot.stream.sendall(_request("GET", robot.name, "commands", robot.token))
 
     def _register(self, robot: _Robot) -> None:
         """On a connection of its own: the server closes one that was silent for as long as registrations are apart."""
@@ -180,10 +203,21 @@ class Robots:
         self._by_socket[opened.fileno()] = hear
         self._epoll.register(opened, select.EPOLLIN)
 
+    def _dropped(self, opened: socket.socket, again: Callable[[], None] | None) -> None:
+        """Closes it; what comes `again` comes in a moment."""
+        del self._by_socket[opened.fileno()]
+        self._epoll.unregister(opened)
+        opened.close()
+        if again is not None:
+            self._refused += 1
+            self._later.append((time.monotonic() + _RETRY_S, again))
+
     def _hear_stream(self, robot: _Robot) -> None:
-        data = robot.stream.recv(_PIECE)
-        if not data:
-            raise RuntimeError(f"the server ended the stream of {robot.name}")
+        assert robot.stream is not None
+        data = _received(robot.stream)
+        if not data or data.startswith(b"HTTP/1.1 5"):
+            self._dropped(robot.stream, lambda: self._follow(robot))
+            return
         orders = robot.reader.take(data)
         if not orders:
             return
@@ -197,21 +231,28 @@ class Robots:
 
     def _hear_answer(self, robot: _Robot) -> None:
         assert robot.registering is not None
-        data = robot.registering.recv(_PIECE)
+        data = _received(robot.registering)
         robot.answer += data
         found = _WELCOME.search(robot.answer)
-        if not data and found is None:
-            raise RuntimeError(f"{robot.name} could not register: {robot.answer[:200]!r}")
-        if found is None:
+        if found is None and data and not robot.answer.startswith(b"HTTP/1.1 5"):
             return
-        if not robot.registered:
+        again = None if found is not None or robot.registered else lambda: self._register(robot)
+        self._dropped(robot.registering, again)
+        robot.registering = None
+        if found is None and robot.registered:
+            self._refused += 1
+        elif found is not None and not robot.registered:
             robot.udp.connect((_HOST, int(found[1])))
             robot.registered = True
             self._again_s = float(found[2])
-        del self._by_socket[robot.registering.fileno()]
-        self._epoll.unregister(robot.registering)
-        robot.registering.close()
-        robot.registering = None
+
+
+def _received(opened: socket.socket) -> bytes:
+    """Empty when the server has closed it."""
+    try:
+        return opened.recv(_PIECE)
+    except ConnectionResetError:
+        return b""
 
 
 def _request(method: str, robot: str, what: str, token: str, body: bytes = b"") -> bytes:

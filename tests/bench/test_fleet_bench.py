@@ -72,10 +72,11 @@ def test_each_status_counts_once_and_old_ones_not_at_all() -> None:
 
 
 def test_figures() -> None:
-    played = Played(1000, 500, 3, array("d", [5.0] * 99 + [105.0]), 1, 10.0, 2.0)
+    played = Played(1000, 500, 3, 4, array("d", [5.0] * 99 + [105.0]), 1, 10.0, 2.0)
     cpu_s, rss_mb = {"redis": 1.0, "server": 3.0}, {"redis": 10.0, "server": 90.0}
     found = figures(Run(50, played, array("d", [10.0, 20.0, 30.0]), array("d"), cpu_s, rss_mb, 998, 990))
     assert (found["robots_50_lost"], found["robots_50_superseded"], found["robots_50_starved"]) == (2, 8, 1)
+    assert found["robots_50_refused"] == 4
     assert (found["robots_50_status_median_ms"], found["robots_50_command_median_ms"]) == (20.0, 5.0)
     assert found["robots_50_command_p99_ms"] == pytest.approx(6.0)
     assert (found["robots_50_cpu_percent"], found["robots_50_cpu_percent_per_robot"]) == (40.0, 0.8)
