@@ -2124,13 +2124,15 @@ export interface components {
         };
         /**
          * RegistrationView
-         * @description Where the robot sends its STATUS datagrams, and how often to expect poses.
+         * @description Where the robot sends its STATUS datagrams, how often to expect poses, and how soon to register again.
          */
         RegistrationView: {
             /** Robots Udp */
             robots_udp: number;
             /** Pose Rate Hz */
             pose_rate_hz: number;
+            /** Again S */
+            again_s: number;
         };
         /**
          * Release
