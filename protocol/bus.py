@@ -146,7 +146,7 @@ class Bus:
                     keys.stream(channel.name), {"i": instance, "m": data}, maxlen=_STREAM_LENGTH, approximate=True
                 )
         else:
-            pipeline.hset(keys.live(channel.name), mapping={**messages})  # pyright: ignore[reportUnusedCoroutine]  # queued
+            pipeline.hset(keys.live(channel.name), mapping=cast("Any", messages))  # pyright: ignore[reportUnusedCoroutine]  # queued
             topic, data = publication(channel, messages)
             pipeline.publish(topic, data)
         try:
