@@ -15,6 +15,7 @@ from tests.server.service import OTHER_ROBOT, PASSWORD, ROBOT, Service, in_proce
 
 WAYPOINT = {"id": "a", "area": "camp", "x": 1.0, "y": 1.0}
 ROUTE = {"id": "round", "legs": [{"waypoint": "p"}]}
+ZONE = {"id": "doorway", "outline": [[3.0, 1.0], [4.0, 1.0], [4.0, 2.0]], "speed_mps": 0.2}
 PALLET = {"id": "pallet-1", "kind": "pallet", "x": 2.0, "y": 2.0}
 RESPONSE = {
     "robot": ROBOT,
@@ -33,8 +34,14 @@ CASES: dict[str, Case] = {
     "log_out": ("/session", None, (*PEOPLE, "robot", "other-robot")),
     "put_robot_settings": (f"/robots/{ROBOT}/settings", {"box_length_m": 2.0}, OPERATORS),
     "start_route": (f"/robots/{OTHER_ROBOT}/assignment", {"route": "circle"}, OPERATORS),
+    "queue_route": (f"/robots/{ROBOT}/queue", {"route": "circle"}, OPERATORS),
+    "dequeue_route": (f"/robots/{ROBOT}/queue/0123456789abcdef", None, OPERATORS),
+    "empty_queue": (f"/robots/{ROBOT}/queue", None, OPERATORS),
+    "skip_leg": (f"/robots/{ROBOT}/assignment/skip", None, OPERATORS),
+    "proceed": (f"/robots/{ROBOT}/assignment/proceed", None, OPERATORS),
     "pause_route": (f"/robots/{ROBOT}/assignment/pause", None, OPERATORS),
     "resume_route": ("/robots/turtlebot-16/assignment/resume", None, OPERATORS),
+    "cancel_route": ("/robots/turtlebot-16/assignment/cancel", None, OPERATORS),
     "stop_route": (f"/robots/{ROBOT}/assignment", None, OPERATORS),
     "drive_by_hand": (f"/robots/{ROBOT}/manual", {"linear_mps": 0.1, "angular_radps": 0.0}, OPERATORS),
     "let_go": (f"/robots/{ROBOT}/manual", None, OPERATORS),
@@ -46,6 +53,9 @@ CASES: dict[str, Case] = {
     "create_route": ("/routes", ROUTE, OPERATORS),
     "put_route": ("/routes/other", {**ROUTE, "id": "other"}, OPERATORS),
     "delete_route": ("/routes/unused", None, OPERATORS),
+    "create_speed_zone": ("/speed-zones", ZONE, OPERATORS),
+    "put_speed_zone": ("/speed-zones/doorway", ZONE, OPERATORS),
+    "delete_speed_zone": ("/speed-zones/doorway", None, OPERATORS),
     "engage_emergency_stop": ("/estop", {"reason": "test"}, (*OPERATORS, "robot", "other-robot")),
     "release_emergency_stop": ("/estop", {"confirm": True}, OPERATORS),
     "create_simulated_object": ("/sim/objects", PALLET, OPERATORS),
@@ -66,11 +76,13 @@ CASES: dict[str, Case] = {
 UNPROTECTED = {"log_in"}
 REFUSED_FOR_OTHER_REASONS = {
     "revoke_token": 404,
+    "dequeue_route": 404,
+    "proceed": 409,
     "accept_calibration": 409,
     "discard_calibration": 409,
     "restore_calibration": 409,
 }
-"""What the case names does not exist."""
+"""What the case names does not exist, or is not so."""
 
 
 def state_changing() -> dict[str, tuple[str, str]]:
