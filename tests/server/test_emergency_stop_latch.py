@@ -264,7 +264,9 @@ async def test_a_release_is_of_the_stop_that_is_still_being_written(redis_url: s
 async def test_a_stop_that_only_robots_know_of_can_be_released(redis_url: str) -> None:
     async with in_process(redis_url) as service:
         feeds, robot = CommandFeeds(), EmergencyStopLatch()
-        latch = FleetLatch(EmergencyStopRepository(Store(service.context.bus.redis), SystemClock()), feeds, SystemClock())
+        latch = FleetLatch(
+            EmergencyStopRepository(Store(service.context.bus.redis), SystemClock()), feeds, SystemClock()
+        )
         await latch.engage("drill", "operator")
         released = await latch.release("operator")
         only_here = EmergencyStop(engaged=True, epoch=released.epoch, stamp_ns=released.stamp_ns)
