@@ -10,6 +10,7 @@ from statistics import median
 import numpy as np
 
 from launcher.chromium import ensure_chromium
+from launcher.errors import UsageError
 from launcher.output import Result, progress
 from launcher.paths import WEB
 from launcher.web_build import build_web
@@ -33,7 +34,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> Result:
     """Figures: `stop_browser_...` from the press of the button, `stop_api_...` from the request, until the first moment at which
-    both robots truly stand. Both drive at 0.3 m/s, on which braking alone takes 0.15 s (`Limits.braking_mps2`)."""
+    both robots truly stand. Both drive at 0.3 m/s, on which braking alone takes 0.10 to 0.12 s (`Limits.braking_mps2`).
+    UsageError for fewer than one press."""
+    if arguments.presses < 1:
+        raise UsageError(f"--presses must be at least 1, not {arguments.presses}")
     build_web(WEB, progress)
     ensure_chromium()
     halts_ms: dict[str, list[float]] = {"browser": [], "api": []}

@@ -151,6 +151,7 @@ def test_the_emergency_stop_halts_all_at_once_and_outlives_the_server(
     with Odyssey(system) as odyssey:
         pressed_ns = press_emergency_stop(operator)
         wait_for("all stand", partial(odyssey.all_stand_since, pressed_ns, tours), 5)
+    assert {system.robot(robot)["status"]["stopped_by"]["code"] for robot in tours} == {"emergency_stop"}
     expect(operator.part("estop-banner")).to_be_visible()
     operator.screenshot("emergency-stop")
 
