@@ -129,8 +129,8 @@ def filtered(logarithms: Array, learner: NoiseModel | None = None) -> tuple[floa
 
 @pytest.mark.parametrize("at", [(0.0, 0.0, 0.0), (1.0, -1.0, 0.3)])
 def test_the_slopes_of_the_likelihood_by_the_noises(at: tuple[float, float, float]) -> None:
-    """Through mean, gain and covariance; where the filter is not linear the slopes are those of its linearization, 0.1 to 0.45 off
-    where they are up to 33."""
+    """Through mean, gain and covariance; where the filter is not linear the slopes are those of its linearization, 0.1 to 0.45
+    off where they are up to 33."""
     logarithms, step = np.array(at), 1e-4
     _, gradient = filtered(logarithms)
     for axis in range(3):
