@@ -81,7 +81,7 @@ class SE2:
 
 
 def _sinc_pair(angle: float) -> tuple[float, float]:
-    """sin(a)/a and (1 - cos(a))/a."""
+    """sin(a)/a and (1 - cos(a))/a, the latter as 2 sin(a/2)^2 / a, which loses no digits at small angles."""
     if abs(angle) < _SMALL_ANGLE_RAD:
         return 1.0 - angle * angle / 6.0, angle / 2.0
-    return math.sin(angle) / angle, (1.0 - math.cos(angle)) / angle
+    return math.sin(angle) / angle, 2.0 * math.sin(angle / 2.0) ** 2 / angle

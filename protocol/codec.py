@@ -11,6 +11,9 @@ from protocol.errors import DecodeError
 
 M = TypeVar("M", bound=BaseModel | msgspec.Struct)
 
+UNDECODABLE = (msgspec.MsgspecError, UnicodeDecodeError, RecursionError)
+"""What msgspec raises for bytes that hold no such message; the last for JSON nested too deeply."""
+
 
 def encode(message: BaseModel | msgspec.Struct) -> bytes:
     """Compact JSON."""
@@ -27,7 +30,7 @@ def decode(kind: type[M], data: bytes | str) -> M:
         first = error.errors(include_url=False)[0]
         where = ".".join(str(part) for part in first["loc"])
         raise DecodeError(f"not a {kind.__name__}: {where + ': ' if where else ''}{first['msg']}") from error
-    except (msgspec.MsgspecError, UnicodeDecodeError) as error:
+    except UNDECODABLE as error:
         raise DecodeError(f"not a {kind.__name__}: {error}") from error
 
 

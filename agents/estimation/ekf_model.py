@@ -124,10 +124,10 @@ def _corrected(mean: Array, motion: Motion) -> tuple[float, float, float]:
 
 
 def _arc(turn: float) -> tuple[float, float]:
-    """sin(a)/a and (1 - cos(a))/a."""
+    """sin(a)/a and (1 - cos(a))/a, the latter as 2 sin(a/2)^2 / a, which loses no digits at small angles."""
     if abs(turn) < _SMALL_ANGLE_RAD:
         return 1.0 - turn * turn / 6.0, turn / 2.0
-    return math.sin(turn) / turn, (1.0 - math.cos(turn)) / turn
+    return math.sin(turn) / turn, 2.0 * math.sin(turn / 2.0) ** 2 / turn
 
 
 def _arc_slopes(turn: float, s: float, c: float) -> tuple[float, float]:

@@ -90,11 +90,11 @@ class CameraExtrinsics(Struct, frozen=True, forbid_unknown_fields=True):
 
     camera: str
     stamp_ns: Whole
-    rotvec: tuple[float, float, float]
-    translation: tuple[float, float, float]
-    reprojection_px: float
+    rotvec: tuple[Real, Real, Real]
+    translation: tuple[Real, Real, Real]
+    reprojection_px: Real
     floor_tags: tuple[int, ...]
-    covariance: tuple[float, ...] = ()
+    covariance: tuple[Real, ...] = ()
 
 
 class FloorRaster(Struct, frozen=True, forbid_unknown_fields=True):

@@ -9,7 +9,7 @@ import msgspec
 
 from protocol.bus import ReceivedRaw
 from protocol.channels import COMMANDS, Channel
-from protocol.codec import decode
+from protocol.codec import UNDECODABLE, decode
 from protocol.errors import DecodeError
 
 _logger = logging.getLogger(__name__)
@@ -98,7 +98,7 @@ def orders(messages: Mapping[str, bytes]) -> dict[str, bytes]:
             continue
         try:
             found[_ORDERS.decode(data).robot] = data
-        except (msgspec.MsgspecError, UnicodeDecodeError) as error:
+        except UNDECODABLE as error:
             _logger.warning("ignored a message on %s of %s: %s", COMMANDS.name, robot, error)
     return found
 
@@ -107,5 +107,5 @@ def held_stop(status: bytes) -> int | None:
     """The epoch of the emergency stop that a robot's status says it holds; None for none, and for what does not decode."""
     try:
         return _HOLDERS.decode(status).stop_epoch
-    except msgspec.MsgspecError:
+    except UNDECODABLE:
         return None

@@ -215,7 +215,7 @@ async def test_an_emergency_stop_stops_at_once_and_holds_until_released(world: W
 async def test_what_is_in_the_protective_field_stops_it_whatever_the_server_says(world: World) -> None:
     world.go()
     await world.moving()
-    world.base.ranges_mm = [190] * 5
+    world.base.ranges_mm = [160] * 5  # 0.11 m before its front: at 0.25 m/s the field reaches 0.13 m
     seen_s = world.clock.monotonic_s()
     await world.still()
     stopped_s = world.first_zero_after(seen_s)

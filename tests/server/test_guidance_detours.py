@@ -122,7 +122,7 @@ def test_a_pallet_behind_a_corner_is_driven_around_through_the_waypoint() -> Non
 def test_without_a_way_it_waits_and_says_so(pallets: list[Pallet], words: str) -> None:
     simulation = start()
     simulation.pallets = pallets
-    nearest = drive(simulation, 19.0)
+    nearest = drive(simulation, 25.0)
     assert simulation.movement() is Movement.WAITING
     assert words in reason(simulation)
     assert "m ahead" in reason(simulation)
