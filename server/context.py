@@ -1,5 +1,6 @@
 """What the routes share for the life of the app: built by the lifespan, handed to each route as a dependency."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Annotated, cast
 
@@ -59,6 +60,7 @@ class Context:
     objects: SimulatedObjectRepository
     faults: CameraFaultRepository
     calibration: CalibrationRepository
+    vehicles: Mapping[str, VehicleSpec]
     introduced: dict[str, str] = field(default_factory=dict[str, str])
 
     @classmethod
@@ -99,14 +101,15 @@ class Context:
             objects=SimulatedObjectRepository(store, clock),
             faults=CameraFaultRepository(store, lab, clock),
             calibration=CalibrationRepository(store, lab, clock),
+            vehicles={vehicle.id: vehicle for vehicle in lab.vehicles},
         )
 
     def vehicle(self, robot: str) -> VehicleSpec:
         """NotFoundError when the lab description has no such robot."""
-        for vehicle in self.lab.vehicles:
-            if vehicle.id == robot:
-                return vehicle
-        raise NotFoundError(f"there is no robot {robot!r} in lab {self.lab.name!r}")
+        vehicle = self.vehicles.get(robot)
+        if vehicle is None:
+            raise NotFoundError(f"there is no robot {robot!r} in lab {self.lab.name!r}")
+        return vehicle
 
 
 async def _context(connection: HTTPConnection) -> Context:

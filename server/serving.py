@@ -14,6 +14,7 @@ import uvloop
 from fastapi import FastAPI
 
 from server.context import Context
+from server.direct_writes import DirectWriteProtocol
 
 _DEAD_AFTER_MS = 10_000
 _SEND_BUFFER = 128 * 1024
@@ -56,6 +57,7 @@ def server(app: FastAPI) -> Server:
     return Server(
         uvicorn.Config(
             app,
+            http=DirectWriteProtocol,
             log_config=None,
             access_log=False,
             server_header=False,

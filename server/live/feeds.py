@@ -1,7 +1,7 @@
 """Hands commands and the emergency stop to the robots' open streams; the newest wins, a slow robot misses old ones."""
 
 import asyncio
-from collections.abc import Generator
+from collections.abc import Callable, Generator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
@@ -11,12 +11,22 @@ from protocol.messages import EmergencyStop
 @dataclass(slots=True, eq=False)
 class Feed:
     """What one stream has not sent yet, the command as JSON on one line; `woken` is set when there is something, or when all is
-    over."""
+    over. While the stream is `idle`, everything of before is sent, and commands need not wake it where there is a way to
+    `write` them directly: that says whether it took the event."""
 
     robot: str
     emergency_stop: EmergencyStop | None
     command: bytes | None
     woken: asyncio.Event = field(default_factory=asyncio.Event)
+    idle: bool = False
+    write: Callable[[bytes], bool] | None = None
+
+    def take(self, command: bytes) -> None:
+        """Has the stream send a command, instead of one that it has not sent yet."""
+        if self.idle and self.write is not None and not self.woken.is_set() and self.write(command_event(command)):
+            return
+        self.command = command
+        self.woken.set()
 
 
 class CommandFeeds:
@@ -79,11 +89,15 @@ class CommandFeeds:
             encoded = encoded.replace(b"\n", b" ").replace(b"\r", b" ")
         self._commands[robot] = encoded
         for feed in self._of_robot.get(robot, ()):
-            feed.command = encoded
-            feed.woken.set()
+            feed.take(encoded)
 
     def close(self) -> None:
         """Ends every stream."""
         self.closed = True
         for feed in self._feeds:
             feed.woken.set()
+
+
+def command_event(encoded: bytes) -> bytes:
+    """The server-sent event of a command that is JSON on one line."""
+    return b"event: command\ndata: %b\n\n" % encoded

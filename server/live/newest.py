@@ -33,6 +33,7 @@ class _Holder(msgspec.Struct):
 
 
 _HOLDERS = msgspec.json.Decoder(_Holder)
+_HOLDS_NONE = b'"stop_epoch":null'
 
 
 class NewestMessages:
@@ -105,6 +106,8 @@ def orders(messages: Mapping[str, bytes]) -> dict[str, bytes]:
 
 def held_stop(status: bytes) -> int | None:
     """The epoch of the emergency stop that a robot's status says it holds; None for none, and for what does not decode."""
+    if _HOLDS_NONE in status:  # as nearly always; within texts, JSON has its quotes escaped
+        return None
     try:
         return _HOLDERS.decode(status).stop_epoch
     except UNDECODABLE:

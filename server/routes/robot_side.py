@@ -13,6 +13,7 @@ from protocol.errors import DecodeError
 from protocol.messages import Event, EventLevel, Registration
 from server.access import RobotId, ThisRobot, ThisRobotOrOperator, identify
 from server.context import Context, Ctx
+from server.direct_writes import direct_write
 from server.errors import InvalidError, UnavailableError
 from server.live.command_stream import command_stream
 from server.repositories.history import record
@@ -127,7 +128,7 @@ async def stream_commands(
             return True  # the robot hears nothing new then, and stops by itself
 
     return StreamingResponse(
-        command_stream(context.hub.feeds, robot_id, context.clock, may_listen),
+        command_stream(context.hub.feeds, robot_id, context.clock, may_listen, direct_write(request.scope)),
         media_type="text/event-stream",
         headers={"Cache-Control": "no-store", "X-Accel-Buffering": "no"},
     )
