@@ -162,10 +162,12 @@ def test_the_share_of_detours_is_of_scenes_with_a_way() -> None:
 
 def test_the_command_prints_figures_and_draws_them(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     picture = tmp_path / "obstacles.png"
-    options = ["--scenes", "1", "--drops", "0", "--empty", "1", "--workers", "1", "--plot", str(picture), "--json"]
-    assert main(["experiment", "obstacles", *options]) == 0
-    result = json.loads(capsys.readouterr().out)
-    assert {"collisions", "reaction_camera_p95_s", "reaction_scanner_p95_s", "false_stops"} <= result["figures"].keys()
+    # A person right before the robot, and then two pallets that leave room.
+    options = ["--seed", "30", "--scenes", "2", "--drops", "0", "--empty", "1", "--workers", "1"]
+    assert main(["experiment", "obstacles", *options, "--plot", str(picture), "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)["figures"]
+    assert {"reaction_camera_p95_s", "reaction_scanner_p95_s", "detour_clearance_min_m"} <= found.keys()
+    assert (found["collisions"], found["false_stops"], found["detour_share"]) == (0, 0, 1.0)
     assert picture.read_bytes().startswith(b"\x89PNG")
 
 

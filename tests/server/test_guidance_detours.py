@@ -122,7 +122,7 @@ def test_a_pallet_behind_a_corner_is_driven_around_through_the_waypoint() -> Non
 def test_without_a_way_it_waits_and_says_so(pallets: list[Pallet], words: str) -> None:
     simulation = start()
     simulation.pallets = pallets
-    nearest = drive(simulation, 19.0)
+    nearest = drive(simulation, 21.0)
     assert simulation.movement() is Movement.WAITING
     assert words in reason(simulation)
     assert "m ahead" in reason(simulation)
@@ -133,6 +133,38 @@ def test_without_a_way_it_waits_and_says_so(pallets: list[Pallet], words: str) -
     simulation.pallets = []
     drive(simulation)
     assert done(simulation)
+
+
+LONG = LAB.model_copy(
+    update={
+        "vehicles": tuple(
+            vehicle.model_copy(update={"footprint": ((-0.15, -0.25), (0.65, -0.25), (0.65, 0.25), (-0.15, 0.25))})
+            for vehicle in LAB.vehicles
+        )
+    }
+)
+"""Robots that reach 0.65 m ahead of their rear axle, about which they turn: 0.70 m with their corners, and 0.25 m beside it."""
+
+
+def test_a_long_robot_drives_around_where_it_has_room_to_turn() -> None:
+    simulation = start(Course([(5.0, 2.0)]), Robot(ROBOT, 1.6, 2.0), lab=LONG)
+    simulation.pallets = [square(3.2, 2.0, side=0.3)]
+    assert drive(simulation) >= 0.2
+    assert done(simulation)
+    assert not any("turning" in event for event in simulation.events)
+
+
+def test_a_long_robot_stays_where_it_could_not_turn_and_says_so() -> None:
+    gap = 2 * (0.25 + 0.3) + 0.1
+    pallets = [
+        [(3.0, -0.3), (3.4, -0.3), (3.4, 2.4), (3.0, 2.4)],
+        [(3.0, 2.4 + gap), (3.4, 2.4 + gap), (3.4, 4.6), (3.0, 4.6)],
+    ]
+    simulation = start(Course([(5.0, 2.0)]), Robot(ROBOT, 1.6, 2.0), lab=LONG)
+    simulation.pallets = pallets
+    assert drive(simulation, 7.0) >= 0.25
+    assert simulation.movement() is Movement.WAITING
+    assert "no way around with 0.30 m beside it on which it has room to turn" in reason(simulation)
 
 
 def test_nobody_drives_around_who_is_not_to() -> None:
