@@ -20,7 +20,8 @@ export const EVENTS_KEPT = 500;
 
 /** The state that a snapshot tells. */
 export function fromSnapshot(snapshot: LiveSnapshot): LiveState {
-  const { robots, cameras, waypoints, routes, objects, zones, speed_zones, estop, obstacles, health, events } = snapshot;
+  const { robots, cameras, waypoints, routes, objects, zones, speed_zones, estop, obstacles, health, events } =
+    snapshot;
   return { robots, cameras, waypoints, routes, objects, zones, speed_zones, estop, obstacles, health, events };
 }
 
