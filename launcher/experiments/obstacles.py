@@ -1,4 +1,5 @@
-"""People step into a robot's way and pallets are left there: how soon it stands, by cameras, by its scanner, as deployed."""
+"""People step into a robot's way and pallets are left there: how soon it stands, by cameras, by its scanner, as deployed, and
+whether it then gets to its goal around what is left there."""
 
 import argparse
 import multiprocessing
@@ -12,6 +13,8 @@ from typing import TypeVar
 import numpy as np
 
 from launcher.errors import UsageError
+from launcher.experiments.detour_scenes import CLEARANCE_M
+from launcher.experiments.detour_trials import DetourTrial, conduct_detour
 from launcher.experiments.obstacle_scenes import FASTEST_MPS, SLOWEST_MPS, draw_scene
 from launcher.experiments.obstacle_trials import Trial, Watcher, conduct, false_stops
 from launcher.experiments.obstacles_plot import plot_obstacles
@@ -69,22 +72,25 @@ def run(arguments: argparse.Namespace) -> Result:
     jobs = [(seed, watcher, False) for seed in seeds for watcher in Watcher]
     jobs += [(seed, Watcher.SCANNER, True) for seed in drops]
     trials = _spread(partial(_trial, lab), jobs, arguments.workers, "scenes")
+    left = [seed for seed in seeds if draw_scene(lab, seed).kind == "pallet"]
+    detours = _spread(partial(_detour, lab), left, arguments.workers, "detours") if left else []
     empty = _spread(partial(_empty, lab, arguments.empty, arguments.seed), guarded, arguments.workers, "empty floors")
-    plot_obstacles(trials, arguments.plot)
+    plot_obstacles(lab, trials, detours, arguments.plot)
     settings = {
         "lab": lab.name,
         "seed": arguments.seed,
         "speed_mps": [SLOWEST_MPS, FASTEST_MPS],
+        "detour_clearance_m": CLEARANCE_M,
         "empty_s": arguments.empty,
         "empty_vehicles": guarded,
         "plot": str(arguments.plot),
     }
-    return Result("obstacles", figures(trials) | _empty_figures(empty), settings=settings)
+    return Result("obstacles", figures(trials, detours) | _empty_figures(empty), settings=settings)
 
 
-def figures(trials: Sequence[Trial]) -> dict[str, float | int]:
-    """Flat figures of the trials. `collisions` are contacts as deployed; reactions are those of robots that moved when the thing
-    came into the field."""
+def figures(trials: Sequence[Trial], detours: Sequence[DetourTrial] = ()) -> dict[str, float | int]:
+    """Flat figures of the trials. `collisions` are contacts as deployed, those on detours included; reactions are those of robots
+    that moved when the thing came into the field."""
     scenes = [trial for trial in trials if trial.kind != "drop"]
     found: dict[str, float | int] = {
         "scenes": len({trial.seed for trial in scenes}),
@@ -107,6 +113,33 @@ def figures(trials: Sequence[Trial]) -> dict[str, float | int]:
         found["drops"] = len(drops)
         found["collisions_drop"] = sum(trial.contacts for trial in drops)
         found |= _reactions("reaction_scanner_drop", drops)
+    if detours:
+        found["collisions"] += sum(trial.contacts for trial in detours)
+        found |= _detour_figures(detours)
+    return found
+
+
+def _detour_figures(detours: Sequence[DetourTrial]) -> dict[str, float | int]:
+    """What became of robots before pallets left behind: of those that had a way to their goal, and of those that had none."""
+    with_way = [trial for trial in detours if trial.way]
+    without = [trial for trial in detours if not trial.way]
+    found: dict[str, float | int] = {
+        "detour_scenes": len(detours),
+        "detour_ways": len(with_way),
+        "detour_no_way_arrived": sum(trial.arrived for trial in without),
+        "detour_no_way_told": sum(trial.told for trial in without),
+        "detour_gap_min_m": min(trial.gap_m for trial in detours),
+        "collisions_detour": sum(trial.contacts for trial in detours),
+    }
+    arrived = [trial for trial in with_way if trial.arrived and trial.diverted]
+    if with_way:
+        found["detour_share"] = len(arrived) / len(with_way)
+    if arrived:
+        found["detour_median_s"] = float(np.median([trial.seconds for trial in arrived]))
+    clearances = [trial.clearance_m for trial in detours if trial.clearance_m is not None]
+    if clearances:
+        found["detour_clearance_median_m"] = float(np.median(clearances))
+        found["detour_clearance_min_m"] = min(clearances)
     return found
 
 
@@ -142,6 +175,10 @@ def _guarded(lab: Lab) -> list[str]:
 def _trial(lab: Lab, job: tuple[int, Watcher, bool]) -> Trial:
     seed, watcher, drop = job
     return conduct(lab, draw_scene(lab, seed, drop=drop), watcher)
+
+
+def _detour(lab: Lab, seed: int) -> DetourTrial:
+    return conduct_detour(lab, draw_scene(lab, seed))
 
 
 def _empty(lab: Lab, seconds: float, seed: int, vehicle: str) -> dict[str, int]:

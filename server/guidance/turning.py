@@ -17,7 +17,7 @@ from server.guidance.box import Box, footprint_at
 from server.guidance.following import Goal
 from server.guidance.path import bearing
 
-_LITTLE_RAD = 0.1
+LITTLE_RAD = 0.1
 """A turn that is not looked at: less than the error of a heading and the margin around the outline cover."""
 _STEERING_RAD = math.radians(45.0)
 _EITHER_WAY_RAD = math.radians(165.0)
@@ -29,7 +29,7 @@ _CENTRE_M = 1e-3
 def turn_ahead(pose: SE2, goal: Goal) -> float:
     """The turn (rad, counter-clockwise) that the goal asks for on the spot, or nearly so; 0 when it is none to look at."""
     if goal.turn_to is not None:
-        turn, least = angle_difference(goal.turn_to, pose.yaw), _LITTLE_RAD
+        turn, least = angle_difference(goal.turn_to, pose.yaw), LITTLE_RAD
     else:
         direction = bearing((pose.x, pose.y), (goal.target.x, goal.target.y))
         turn, least = angle_difference(direction, pose.yaw), _STEERING_RAD

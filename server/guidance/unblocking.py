@@ -28,7 +28,7 @@ from server.guidance.robot import RobotGuidance
 from server.guidance.snapshot import Snapshot
 from server.guidance.stepping_aside import Aside
 from server.guidance.view import Surroundings, View
-from server.guidance.way_out import Floor, lane_of, way_around, way_aside
+from server.guidance.way_out import Floor, NoWay, lane_of, way_around, way_aside
 
 _STANDS_MPS = 0.05
 _LANE_M = 3.0
@@ -76,8 +76,8 @@ class Unblocking:
             if searches and robot.wants_back(snapshot.now_s):
                 searches -= 1
                 blocked = robot.blocked(snapshot, None, "back to its route")
-                ways = way_around(blocked, floor, self._parameters) if blocked is not None else None
-                robot.come_back(ways, snapshot.now_s)
+                ways = way_around(blocked, floor, self._parameters) if blocked is not None else NoWay.ROOM
+                robot.come_back(None if isinstance(ways, NoWay) else ways, snapshot.now_s)
         for ring in lasting:
             if searches and self._again_s.get(frozenset(ring), -math.inf) <= snapshot.now_s:
                 searches -= 1
@@ -125,7 +125,7 @@ class Unblocking:
         if not lately and not robot.is_aside:
             beside = replace(floor, lanes=self._lanes(name, others, views, snapshot, _LANE_M, _BESIDE_M))
             detours = way_around(blocked, beside, self._parameters)
-            if detours is not None:
+            if not isinstance(detours, NoWay):
                 self._went_around_s[ring] = snapshot.now_s
                 robot.divert(detours)
                 return "drives around"
@@ -189,14 +189,15 @@ class Unblocking:
             place = Line(view.path).at(_UNKNOWN_AHEAD_M) if view.path else None
             what = "floor that no camera sees"
         blocked = robot.blocked(snapshot, place, f"around {what}") if place is not None else None
-        detours = way_around(blocked, floor, self._parameters) if blocked is not None else None
-        if detours is not None:
+        detours = way_around(blocked, floor, self._parameters) if blocked is not None else NoWay.ROOM
+        if not isinstance(detours, NoWay):
             robot.divert(detours)
             return
         clearance = effective_detours(robot.spec.detours, snapshot.settings.get(name)).clearance_m
+        without = " on which it has room to turn" if detours is NoWay.TURNING else ""
         robot.stuck = replace(
             robot.stuck,
-            in_vain=f"there is no way around with {clearance:.2f} m beside it",
+            in_vain=f"there is no way around with {clearance:.2f} m beside it{without}",
             again_s=snapshot.now_s + self._parameters.retry_s,
         )
 

@@ -1,26 +1,34 @@
 """Ways out for a robot that is blocked: around what stands on its route and back onto it, or aside, out of another robot's way.
 
 The search is `server.planning`'s; this module says where to search from, where to, and over which floor.
+
+At the bends of a detour robots turn on the spot, and the outline of a long one sweeps more floor then than the clearance
+beside its way. So every bend of what was found is looked at; where one has no room, the search is repeated with room for
+the whole turning circle beside the way, and if that finds nothing either, the robot stays.
 """
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from enum import Enum
+from itertools import pairwise
 
 import numpy as np
 import shapely
 from shapely.geometry import LineString
 from shapely.geometry.base import BaseGeometry
 
-from geometry import SE2
-from mapping.grid import FloorGrid
+from geometry import SE2, angle_difference
+from mapping.grid import CELL_M, FloorGrid
 from protocol.lab import VehicleSpec
+from server.guidance.blockage import RobotShapes, nearest_blockage
 from server.guidance.box import Body, footprint_at
 from server.guidance.following import Detour, RouteFollower
 from server.guidance.line import Line
 from server.guidance.parameters import GuidanceParameters
-from server.guidance.path import Point
+from server.guidance.path import Point, bearing
 from server.guidance.route_plan import RoutePlan
+from server.guidance.turning import LITTLE_RAD, swept_by_turning
 from server.planning import FreeSpace, Needs, ShortestWays, straightened
 
 _SAMPLE_M = 0.05
@@ -34,6 +42,13 @@ _ROOM_M = 4.0
 _MOST_LEGS = 3
 _OFF_ROUTE = 1.5
 """What a metre off the route costs, one on it costing 1: so a way comes back soon, not only at the leg's end."""
+
+
+class NoWay(Enum):
+    """Why there is none: no floor that is wide enough, or none where the robot could turn at the bends."""
+
+    ROOM = "wide"
+    TURNING = "turning"
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +78,7 @@ class Floor:
 
     grid: FloorGrid
     ground: BaseGeometry
-    robots: Mapping[str, BaseGeometry]
+    robots: RobotShapes
     lanes: Sequence[BaseGeometry] = ()
 
 
@@ -77,9 +92,24 @@ def lane_of(path: Sequence[Point], length_m: float, room_m: float, beside: Vehic
     return LineString(line.part(0.0, length_m)).buffer(room_m + radius)
 
 
-def way_around(blocked: Blocked, floor: Floor, parameters: GuidanceParameters) -> dict[int, Detour] | None:
-    """Detours for the present leg and, if need be, the next ones, that lead past what blocks the route; None when there is no
-    way with room enough."""
+def way_around(blocked: Blocked, floor: Floor, parameters: GuidanceParameters) -> dict[int, Detour] | NoWay:
+    """Detours for the present leg and, if need be, the next ones, that lead past what blocks the route, with room to turn at
+    every bend; or why there are none."""
+    detours = _detours(blocked, floor, parameters)
+    if detours is None:
+        return NoWay.ROOM
+    if _may_turn(blocked, detours, floor, parameters):
+        return detours
+    circle_m = max(math.hypot(x, y) for x, y in blocked.spec.footprint)
+    wider = replace(blocked, room_m=max(blocked.room_m, circle_m + CELL_M))
+    detours = _detours(wider, floor, parameters)
+    if detours is not None and _may_turn(wider, detours, floor, parameters):
+        return detours
+    return NoWay.TURNING
+
+
+def _detours(blocked: Blocked, floor: Floor, parameters: GuidanceParameters) -> dict[int, Detour] | None:
+    """The same without a look at the bends; None when there is no way with room enough beside it."""
     legs = _legs_ahead(blocked)
     if blocked.place is not None and not any(_passes(line, blocked.place) for _, line in legs):
         return None  # it stands beyond the end of the route: there is nothing to come back to
@@ -126,6 +156,23 @@ def way_aside(
     way = straightened(space, ways.way_to(space.centre(best)))
     line = Line([blocked.here, *way[1:]])
     return line if line.length_m > _SAMPLE_M else None
+
+
+def _may_turn(blocked: Blocked, detours: dict[int, Detour], floor: Floor, parameters: GuidanceParameters) -> bool:
+    """Whether nothing stands on the floor that the robot sweeps where it turns on the spot: before it starts, and at every
+    bend."""
+    own = footprint_at(blocked.pose, blocked.spec).buffer(parameters.own_margin_m)
+    front_m = Body.of(blocked.spec).front_m
+    heading = blocked.pose.yaw
+    for detour in detours.values():
+        for start, end in pairwise(detour.line.points):
+            turn_rad = angle_difference(bearing(start, end), heading)
+            if abs(turn_rad) > LITTLE_RAD:
+                sweep = swept_by_turning(SE2(*start, heading), turn_rad, blocked.spec)
+                if nearest_blockage(blocked.spec.id, sweep, own, front_m, floor.grid, floor.robots) is not None:
+                    return False
+            heading = bearing(start, end)
+    return True
 
 
 def _legs_ahead(blocked: Blocked) -> list[tuple[int, Line]]:

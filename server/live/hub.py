@@ -63,6 +63,7 @@ from server.repositories.emergency_stop import EmergencyStopRepository
 from server.repositories.plan import ASSIGNMENTS, ROUTES, WAYPOINTS
 from server.repositories.robot_settings import ROBOT_SETTINGS
 from server.repositories.simulated_objects import SIMULATED_OBJECTS
+from server.repositories.speed_zones import SPEED_ZONES, speed_zones_of
 from server.views.cameras import camera_view
 from server.views.health import HealthView, RedisView, UdpView
 from server.views.obstacles import obstacles_view
@@ -116,6 +117,7 @@ class LiveHub:
         self._waypoints: dict[str, Waypoint] = {}
         self._routes: dict[str, Route] = {}
         self._objects: dict[str, SimulatedObject] = {}
+        self._speed_zones = speed_zones_of(lab)
         self._faults: dict[str, CameraFault] = {}
         self._extrinsics: dict[str, CameraExtrinsics] = {}
         self._away_since_ns: int | None = None
@@ -129,6 +131,7 @@ class LiveHub:
             WAYPOINTS.key: self._read_waypoints,
             ROUTES.key: self._read_routes,
             SIMULATED_OBJECTS.key: self._read_objects,
+            SPEED_ZONES.key: self._read_speed_zones,
             CAMERA_FAULTS.key: self._read_faults,
             ASSIGNMENTS.key: self._read_assignments,
             ROBOT_SETTINGS.key: self._read_settings,
@@ -227,6 +230,9 @@ class LiveHub:
 
     async def _read_objects(self) -> None:
         self._objects = await self._all(SIMULATED_OBJECTS)
+
+    async def _read_speed_zones(self) -> None:
+        self._speed_zones = {**await self._all(SPEED_ZONES), **speed_zones_of(self._lab)}
 
     async def _read_faults(self) -> None:
         self._faults = await self._all(CAMERA_FAULTS)
@@ -341,6 +347,7 @@ class LiveHub:
         sections.replace("waypoints", {name: Item(waypoint) for name, waypoint in self._waypoints.items()})
         sections.replace("routes", {name: Item(route) for name, route in self._routes.items()})
         sections.replace("objects", {name: Item(item) for name, item in self._objects.items()})
+        sections.replace("speed_zones", {name: Item(zone) for name, zone in self._speed_zones.items()})
         sections.replace_single("estop", Item(self._fleet.emergency_stop))
         raster = cast("FloorRaster | None", self._newest.of(OBSTACLES).get(LAB_INSTANCE))
         if raster is not None and raster is not self._raster:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from pydantic import BaseModel
 
-MAPS = ("robots", "cameras", "waypoints", "routes", "objects", "zones")
+MAPS = ("robots", "cameras", "waypoints", "routes", "objects", "zones", "speed_zones")
 SINGLES = ("estop", "obstacles", "health")
 _LOG_LENGTH = 50
 _TOMBSTONES = 1000

@@ -5,7 +5,7 @@ from typing import Literal
 from pydantic import Field
 
 from protocol.lab import ZoneSpec
-from protocol.messages import EmergencyStop, Event, Route, SimulatedObject, Waypoint
+from protocol.messages import EmergencyStop, Event, Route, SimulatedObject, SpeedZone, Waypoint
 from server.views.base import View
 from server.views.cameras import CameraView
 from server.views.health import HealthView
@@ -24,6 +24,7 @@ class LiveSnapshot(View):
     routes: dict[str, Route]
     objects: dict[str, SimulatedObject]
     zones: dict[str, ZoneSpec]
+    speed_zones: dict[str, SpeedZone] = Field(description="Those of the lab description and those drawn by operators.")
     estop: EmergencyStop
     obstacles: ObstaclesView | None
     health: HealthView
@@ -42,6 +43,7 @@ class LiveChanges(View):
     routes: dict[str, Route | None] = Field(default_factory=dict)
     objects: dict[str, SimulatedObject | None] = Field(default_factory=dict)
     zones: dict[str, ZoneSpec | None] = Field(default_factory=dict)
+    speed_zones: dict[str, SpeedZone | None] = Field(default_factory=dict)
     estop: EmergencyStop | None = None
     obstacles: ObstaclesView | None = None
     health: HealthView | None = None

@@ -122,7 +122,7 @@ def test_a_pallet_behind_a_corner_is_driven_around_through_the_waypoint() -> Non
 def test_without_a_way_it_waits_and_says_so(pallets: list[Pallet], words: str) -> None:
     simulation = start()
     simulation.pallets = pallets
-    nearest = drive(simulation, 25.0)
+    nearest = drive(simulation, 21.0)
     assert simulation.movement() is Movement.WAITING
     assert words in reason(simulation)
     assert "m ahead" in reason(simulation)
@@ -133,6 +133,49 @@ def test_without_a_way_it_waits_and_says_so(pallets: list[Pallet], words: str) -
     simulation.pallets = []
     drive(simulation)
     assert done(simulation)
+
+
+LONG = LAB.model_copy(
+    update={
+        "vehicles": tuple(
+            vehicle.model_copy(update={"footprint": ((-0.15, -0.25), (0.65, -0.25), (0.65, 0.25), (-0.15, 0.25))})
+            for vehicle in LAB.vehicles
+        )
+    }
+)
+"""Robots that reach 0.65 m ahead of their rear axle, about which they turn: 0.70 m with their corners, and 0.25 m beside it."""
+
+
+NARROW_GAP_M = 2 * (0.25 + 0.3) + 0.1
+"""Wide enough for the way of such a robot, but not for turning before it or in it."""
+
+
+def test_a_long_robot_takes_the_way_on_which_it_has_room_to_turn() -> None:
+    simulation = start(Course([(5.0, 1.0)]), Robot(ROBOT, 1.6, 1.0), lab=LONG)
+    simulation.pallets = [
+        [(3.0, -0.3), (3.2, -0.3), (3.2, 1.5), (3.0, 1.5)],
+        [(3.0, 1.5 + NARROW_GAP_M), (3.2, 1.5 + NARROW_GAP_M), (3.2, 2.9), (3.0, 2.9)],
+    ]
+    farthest = 0.0
+    nearest = math.inf
+    while simulation.elapsed_s < 60.0 and not done(simulation):
+        simulation.run(0.2)
+        farthest = max(farthest, simulation.robots[ROBOT].pose.y)
+        nearest = min(nearest, *(body(simulation).distance(Polygon(pallet)) for pallet in simulation.pallets))
+    assert done(simulation)
+    assert nearest >= 0.2
+    assert farthest > 3.3, "through the wider gap, beyond the second pallet"
+
+
+def test_a_long_robot_stays_where_it_could_not_turn_and_says_so() -> None:
+    simulation = start(Course([(5.0, 2.0)]), Robot(ROBOT, 1.6, 2.0), lab=LONG)
+    simulation.pallets = [
+        [(3.0, -0.3), (3.4, -0.3), (3.4, 2.4), (3.0, 2.4)],
+        [(3.0, 2.4 + NARROW_GAP_M), (3.4, 2.4 + NARROW_GAP_M), (3.4, 4.6), (3.0, 4.6)],
+    ]
+    assert drive(simulation, 7.0) >= 0.25
+    assert simulation.movement() is Movement.WAITING
+    assert "no way around with 0.30 m beside it on which it has room to turn" in reason(simulation)
 
 
 def test_nobody_drives_around_who_is_not_to() -> None:

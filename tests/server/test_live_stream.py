@@ -22,6 +22,7 @@ from tests.server.service import PASSWORD, ROBOT, Service, served, until
 
 CLOCK = SystemClock()
 WAYPOINT = {"id": "a", "area": "camp", "x": 1.0, "y": 1.0}
+SPEED_ZONE = {"id": "doorway", "outline": [[3.0, 1.0], [4.0, 1.0], [4.0, 2.0]], "speed_mps": 0.2}
 
 
 @asynccontextmanager
@@ -61,7 +62,7 @@ class Picture:
         LiveChanges.model_validate(message)
         assert self.state, "changes before a snapshot"
         for section, value in message.items():
-            if section in ("robots", "cameras", "waypoints", "routes", "objects", "zones"):
+            if section in ("robots", "cameras", "waypoints", "routes", "objects", "zones", "speed_zones"):
                 merged = {**self.state[section], **value}
                 self.state[section] = {name: entry for name, entry in merged.items() if entry is not None}
             elif section == "events":
@@ -95,6 +96,11 @@ async def test_snapshot_then_changes(redis_url: str) -> None:
         await picture.until(lambda state: state["robots"][ROBOT]["obstacle_box"]["length_m"] == 3.0)
         await operator.post("/api/sim/objects", json={"id": "p", "kind": "pallet", "x": 1, "y": 1})
         await picture.until(lambda state: "p" in state["objects"])
+        await operator.post("/api/speed-zones", json=SPEED_ZONE)
+        await picture.until(lambda state: state["speed_zones"])
+        assert picture.state["speed_zones"] == {"doorway": SPEED_ZONE}
+        await operator.delete("/api/speed-zones/doorway")
+        await picture.until(lambda state: not state["speed_zones"])
         await operator.delete(f"/api/robots/{ROBOT}/assignment")
         await operator.delete("/api/routes/r")
         await operator.delete("/api/waypoints/a")

@@ -13,6 +13,7 @@ const snapshot = {
   routes: {},
   objects: {},
   zones: {},
+  speed_zones: {},
   estop: { engaged: false, epoch: 0, stamp_ns: 0, by: "", reason: "" },
   obstacles: null,
   health: { state: "ok" } as LiveSnapshot["health"],

@@ -2029,6 +2029,10 @@ export interface components {
             zones?: {
                 [key: string]: components["schemas"]["ZoneSpec"] | null;
             };
+            /** Speed Zones */
+            speed_zones?: {
+                [key: string]: components["schemas"]["SpeedZone"] | null;
+            };
             /** @default null */
             estop: components["schemas"]["EmergencyStop"] | null;
             /** @default null */
@@ -2076,6 +2080,13 @@ export interface components {
             /** Zones */
             zones: {
                 [key: string]: components["schemas"]["ZoneSpec"];
+            };
+            /**
+             * Speed Zones
+             * @description Those of the lab description and those drawn by operators.
+             */
+            speed_zones: {
+                [key: string]: components["schemas"]["SpeedZone"];
             };
             estop: components["schemas"]["EmergencyStop"];
             obstacles: components["schemas"]["ObstaclesView"] | null;

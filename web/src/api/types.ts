@@ -7,7 +7,8 @@ export type * from "./schema.gen";
 export type Changes = Pick<LiveChanges, "type" | "stamp_ns"> & Partial<LiveChanges>;
 export type LiveMessage = LiveSnapshot | Changes;
 
-type Told = "robots" | "cameras" | "waypoints" | "routes" | "objects" | "zones" | "obstacles" | "events";
+type Told =
+  "robots" | "cameras" | "waypoints" | "routes" | "objects" | "zones" | "speed_zones" | "obstacles" | "events";
 
 /** What is known of the lab; `estop` and `health` are null before the first message. */
 export type LiveState = Readonly<Pick<LiveSnapshot, Told>> & {

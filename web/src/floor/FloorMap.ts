@@ -46,6 +46,7 @@ export class FloorMap {
   readonly map: OpenLayersMap;
   private palette: Palette;
   private lab: LabView | null = null;
+  private speedZones: unknown = null;
   private obstacles: { from: unknown; cells: readonly Rectangle[] } = { from: null, cells: [] };
   private readonly robots = new RobotMarks();
   private readonly picture: FloorPicture;
@@ -187,6 +188,10 @@ export class FloorMap {
     let changed = this.robots.update(state.robots, serverNowMs(), now);
     if (state.obstacles !== this.obstacles.from) {
       this.obstacles = { from: state.obstacles, cells: state.obstacles ? occupiedRuns(state.obstacles) : [] };
+      changed = true;
+    }
+    if (state.speed_zones !== this.speedZones) {
+      this.speedZones = state.speed_zones;
       changed = true;
     }
     if (changed) this.requestFrame(now);

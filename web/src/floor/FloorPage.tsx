@@ -12,6 +12,7 @@ import { selectRobot, useFloor } from "./floor-state";
 import type { FloorMap } from "./FloorMap";
 import { MapToolbar } from "./MapToolbar";
 import { MapView } from "./MapView";
+import { SpeedLimits } from "./SpeedLimits";
 
 export default function FloorPage() {
   const mapRef = useRef<FloorMap | null>(null);
@@ -28,6 +29,7 @@ export default function FloorPage() {
       <div className={classes["stage"]}>
         <MapView mapRef={mapRef} />
         <MapToolbar mapRef={mapRef} />
+        <SpeedLimits />
         <Missing />
       </div>
       <Box component="aside" className={classes["panel"] ?? ""} aria-label="Robots and the selected one">

@@ -9,6 +9,8 @@ export interface Palette {
   readonly area: string;
   readonly zone: string;
   readonly zoneFill: string;
+  readonly speed: string;
+  readonly speedFill: string;
   readonly camera: string;
   readonly route: string;
   readonly waypoint: string;
@@ -44,6 +46,8 @@ const light: Palette = {
   area: "#3f4c5c",
   zone: "#8447c9",
   zoneFill: "rgba(132, 71, 201, 0.10)",
+  speed: "#a15c00",
+  speedFill: "rgba(214, 137, 16, 0.16)",
   camera: "#0a7ea4",
   route: "#0f8f47",
   chip: "rgba(255, 255, 255, 0.92)",
@@ -67,6 +71,8 @@ const dark: Palette = {
   area: "#aab4c2",
   zone: "#b98af0",
   zoneFill: "rgba(185, 138, 240, 0.12)",
+  speed: "#f2b84b",
+  speedFill: "rgba(242, 184, 75, 0.16)",
   camera: "#45b8dc",
   route: "#35c777",
   chip: "rgba(21, 24, 30, 0.88)",

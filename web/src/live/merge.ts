@@ -8,6 +8,7 @@ export const NOTHING: LiveState = {
   routes: {},
   objects: {},
   zones: {},
+  speed_zones: {},
   estop: null,
   obstacles: null,
   health: null,
@@ -19,8 +20,9 @@ export const EVENTS_KEPT = 500;
 
 /** The state that a snapshot tells. */
 export function fromSnapshot(snapshot: LiveSnapshot): LiveState {
-  const { robots, cameras, waypoints, routes, objects, zones, estop, obstacles, health, events } = snapshot;
-  return { robots, cameras, waypoints, routes, objects, zones, estop, obstacles, health, events };
+  const { robots, cameras, waypoints, routes, objects, zones, speed_zones, estop, obstacles, health, events } =
+    snapshot;
+  return { robots, cameras, waypoints, routes, objects, zones, speed_zones, estop, obstacles, health, events };
 }
 
 /** The state after some changes: what is absent stays (the same objects as before), what is null goes. */
@@ -32,6 +34,7 @@ export function merge(state: LiveState, changes: Changes): LiveState {
     routes: mergeSection(state.routes, changes.routes),
     objects: mergeSection(state.objects, changes.objects),
     zones: mergeSection(state.zones, changes.zones),
+    speed_zones: mergeSection(state.speed_zones, changes.speed_zones),
     estop: mergeSingle(state.estop, changes.estop),
     obstacles: mergeSingle(state.obstacles, changes.obstacles),
     health: mergeSingle(state.health, changes.health),

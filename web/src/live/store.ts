@@ -22,7 +22,7 @@ export interface Live {
 }
 
 const SAMPLE_MS = 250;
-const URGENT = ["estop", "waypoints", "routes", "objects", "events"] as const;
+const URGENT = ["estop", "waypoints", "routes", "objects", "speed_zones", "events"] as const;
 
 const clock = new ServerClock();
 const initial: Live = {

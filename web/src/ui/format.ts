@@ -26,6 +26,11 @@ export function withSince({ text, since_ns }: { readonly text: string; readonly 
   return since_ns === null || text.includes("since") ? text : `${text} (since ${formatStamp(since_ns)})`;
 }
 
+/** "0.2 m/s", "1 m/s", "0.35 m/s". */
+export function formatSpeed(metresPerSecond: number): string {
+  return `${Number(metresPerSecond.toFixed(2))} m/s`;
+}
+
 export function degrees(radians: number): number {
   return (radians * 180) / Math.PI;
 }

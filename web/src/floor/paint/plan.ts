@@ -1,6 +1,7 @@
 /** What the lab description says of the floor: areas, zones, and where the cameras look. */
-import type { LabView } from "../../api/types";
+import type { LabView, SpeedZone } from "../../api/types";
 import type { Point } from "../../geometry/points";
+import { formatSpeed } from "../../ui/format";
 import type { Palette } from "../palette";
 import type { Pen } from "../Pen";
 
@@ -17,6 +18,16 @@ export function paintZones(pen: Pen, palette: Palette, lab: LabView): void {
     }
     const top = highest(subareas.flat());
     if (top && pen.pixelsPerMetre > 40) pen.chip(top, -12, zone.id, palette.zone, palette.chip);
+  }
+}
+
+/** Where robots drive no faster than the zone's limit, which is written on it. */
+export function paintSpeedZones(pen: Pen, palette: Palette, zones: readonly SpeedZone[]): void {
+  for (const { outline, speed_mps } of zones) {
+    pen.fill(outline, palette.speedFill);
+    pen.outline(outline, palette.speed, 1.5);
+    const top = highest(outline);
+    if (top) pen.chip(top, 12, `≤ ${formatSpeed(speed_mps)}`, palette.speed, palette.chip);
   }
 }
 

@@ -10,7 +10,7 @@ import type { RobotMarks } from "../RobotMarks";
 import { paintGrid, paintGridLabels, paintPicture, paintScaleBar, type Picture } from "./ground";
 import { paintObstacles } from "./obstacles";
 import { paintBox, paintCarrot, paintRoute } from "./orders";
-import { paintAreas, paintFieldsOfView, paintZones } from "./plan";
+import { paintAreas, paintFieldsOfView, paintSpeedZones, paintZones } from "./plan";
 import { paintRobot } from "./robots";
 
 type Shown = Readonly<Record<LayerName, boolean>>;
@@ -30,6 +30,7 @@ export function paintFloor(pen: Pen, { palette, lab, picture, state, obstacles, 
   if (layers.grid) paintGrid(pen, palette);
   if (lab) paintAreas(pen, palette, lab);
   if (lab && layers.zones) paintZones(pen, palette, lab);
+  if (layers.speeds) paintSpeedZones(pen, palette, Object.values(state.speed_zones));
   if (layers.cameras) {
     const fields = Object.values(state.cameras).flatMap(({ id, outline, state: camera }) =>
       outline ? { id, outline, isWorking: camera?.fresh === true && camera.error === null } : [],
