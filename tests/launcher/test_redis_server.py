@@ -131,7 +131,7 @@ async def test_opened_to_robots_it_lets_nobody_in_without_a_password(tmp_path: P
         password = own_password(tmp_path)
         for url in (f"redis://127.0.0.1:{port}", redis_url(socket_path(tmp_path))):
             async with redis.asyncio.Redis.from_url(url, retry=Retry(NoBackoff(), 0)) as stranger:
-                with pytest.raises(redis.ConnectionError, match="(?i)authenticat"):
+                with pytest.raises(redis.ConnectionError, match=r"(?i)authenticat"):
                     await stranger.get("x")
         async with redis.asyncio.Redis(port=port, username=OWN_USER, password=password) as own:
             assert await own.set("x", "1")
