@@ -31,6 +31,7 @@ from protocol.codec import decode, encode
 from protocol.errors import DecodeError
 from protocol.messages import Assignment, EmergencyStop, RobotSettings, Route, SpeedZone, Waypoint
 from server.guidance.snapshot import Outcome, Snapshot
+from server.guidance.wording import Worded
 
 M = TypeVar("M", bound=BaseModel | Struct)
 _logger = logging.getLogger(__name__)
@@ -154,8 +155,7 @@ class GuidanceStore:
         live: list[bytes | str | int] = []
         channels: tuple[tuple[Channel[Any], Mapping[str, BaseModel]], ...]
         channels = ((COMMANDS, outcome.commands), (GUIDANCE, outcome.states))
-        said = [(channel, {name: encode(each) for name, each in messages.items()}) for channel, messages in channels]
-        said = [(channel, messages) for channel, messages in said if messages]
+        said = [(channel, _encoded(messages)) for channel, messages in channels if messages]
         for channel, messages in said:
             live += [keys.live(channel.name), *publication(channel, messages), len(messages)]
             live += [part for entry in messages.items() for part in entry]
@@ -190,6 +190,12 @@ class GuidanceStore:
                 _logger.warning("ignored %s of %s: %s", what, name, error)
         self._decoded[what] = fresh
         return {name: cast("M", message) for name, (_, message) in fresh.items() if message is not None}
+
+
+def _encoded(messages: Mapping[str, BaseModel]) -> Mapping[str, bytes]:
+    if isinstance(messages, Worded):
+        return messages.encoded
+    return {name: encode(message) for name, message in messages.items()}
 
 
 def obeyed_epochs(snapshot: Snapshot) -> list[int]:
