@@ -20,6 +20,7 @@ _BATCH_S = 0.05
 _TOLD_EVERY_S = 60.0
 _NORMAL = (Verdict.DUPLICATE.value, Verdict.OUT_OF_ORDER.value)
 """Networks do these by themselves; they are counted, not told."""
+_STATUSES = (StatusFields, Status)
 _logger = logging.getLogger(__name__)
 
 
@@ -52,7 +53,7 @@ class StatusIntake:
     def offer(self, datagram: Datagram, origin: str) -> None:
         """Takes the status in the envelope, or refuses it; `origin` is where it came from, for people."""
         status, sender = datagram.message, datagram.sender
-        if not isinstance(status, Status | StatusFields):
+        if not isinstance(status, _STATUSES):
             return self.refuse("wrong_kind", f"{type(status).__name__} datagram of {sender!r} from {origin}")
         if status.robot != sender:
             text = f"status of {status.robot!r} sent as {sender!r} from {origin}"
