@@ -15,12 +15,17 @@ from collections.abc import Iterable
 from typing import Any
 
 import redis.asyncio
+from hiredis import pack_command
 from redis.asyncio.connection import AbstractConnection
 from redis.exceptions import MaxConnectionsError
 from redis.exceptions import TimeoutError as RedisTimeoutError
 
 MOST_CONNECTIONS = 64
 """Redis does one thing at a time: more of them only wait elsewhere."""
+
+
+_LONG = 32
+"""Arguments of a command."""
 
 
 class _LeavableConnection(AbstractConnection):
@@ -33,6 +38,17 @@ class _LeavableConnection(AbstractConnection):
         if task is not None and task.cancelling() > before:
             await self.disconnect(nowait=True)
             raise asyncio.CancelledError
+
+    def pack_command(self, *args: Any) -> list[bytes]:
+        """Long commands by hiredis, as redis-py's blocking connections have it. The usual way joins each argument to those
+        before: of a large fleet's commands that takes longer than all else that is done to send them."""
+        if len(args) < _LONG:
+            return super().pack_command(*args)
+        name = args[0].encode() if isinstance(args[0], str) else args[0]
+        try:
+            return [pack_command((*name.split(), *args[1:]))]
+        except TypeError:  # of a kind that only redis-py's own encoder can tell what to do with
+            return super().pack_command(*args)
 
 
 class PatientPool(redis.asyncio.ConnectionPool):

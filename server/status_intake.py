@@ -13,12 +13,14 @@ from protocol.datagram import Datagram, ReplayGuard, Verdict
 from protocol.lab import Lab
 from protocol.loss import LossWatch
 from protocol.messages import Event, EventLevel, Status
+from protocol.messages.status_fields import StatusFields
 from server.repositories.history import record
 
 _BATCH_S = 0.05
 _TOLD_EVERY_S = 60.0
 _NORMAL = (Verdict.DUPLICATE.value, Verdict.OUT_OF_ORDER.value)
 """Networks do these by themselves; they are counted, not told."""
+_STATUSES = (StatusFields, Status)
 _logger = logging.getLogger(__name__)
 
 
@@ -51,7 +53,7 @@ class StatusIntake:
     def offer(self, datagram: Datagram, origin: str) -> None:
         """Takes the status in the envelope, or refuses it; `origin` is where it came from, for people."""
         status, sender = datagram.message, datagram.sender
-        if not isinstance(status, Status):
+        if not isinstance(status, _STATUSES):
             return self.refuse("wrong_kind", f"{type(status).__name__} datagram of {sender!r} from {origin}")
         if status.robot != sender:
             text = f"status of {status.robot!r} sent as {sender!r} from {origin}"
@@ -63,7 +65,10 @@ class StatusIntake:
         if verdict is not Verdict.FRESH:
             return self.refuse(verdict.value, f"status of {sender} from {origin} is {verdict.value.replace('_', ' ')}")
         self.counts["accepted"] += 1
-        self._losses.setdefault(sender, LossWatch()).add(datagram.sequence, self._clock.monotonic_s())
+        losses = self._losses.get(sender)
+        if losses is None:
+            losses = self._losses[sender] = LossWatch()
+        losses.add(datagram.sequence, self._clock.monotonic_s())
         self._pending[sender] = datagram.payload or encode(status)
         self._filled.set()
         return None

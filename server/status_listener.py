@@ -10,9 +10,10 @@ from typing import cast
 
 from protocol.bus import Bus
 from protocol.clock import Clock
-from protocol.datagram import unpack
+from protocol.datagram import Kind, unpack
 from protocol.errors import DecodeError
 from protocol.lab import Lab
+from protocol.messages.status_fields import read_status
 from server.status_intake import StatusIntake
 from server.views.health import UdpView
 
@@ -22,6 +23,7 @@ _LARGEST = 65536
 _QUEUE_BYTES = 4 << 20
 """Datagrams wait here while the loop is busy: what a thousand robots send in half a second, as the kernel counts it. Who is not
 the administrator gets less where the kernel's limit (net.core.rmem_max) is lower."""
+_READERS = {Kind.STATUS: read_status}
 _SO_RCVBUFFORCE = 33
 """Linux's, from socket(7); the socket module does not have it."""
 
@@ -95,7 +97,7 @@ class StatusListener:
         self._intake.counts["received"] += 1
         origin = f"{addr[0]}:{addr[1]}"
         try:
-            datagram = unpack(data, self._key)
+            datagram = unpack(data, self._key, _READERS)
         except DecodeError as error:
             self._intake.refuse("undecodable", f"datagram from {origin}: {error}")
         else:

@@ -4,6 +4,7 @@ assignment, pose, area (spec gpss, "Safety"). What the route and the obstacle bo
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 import shapely
@@ -47,10 +48,13 @@ class Decision:
     angular_radps: float = 0.0
 
 
+# Most robots are told the same cycle after cycle, and many the same as others.
+@lru_cache(maxsize=1024)
 def no_action(code: ReasonCode, text: str = "") -> Decision:
     return Decision(Movement.NO_ACTION, Reason(code=code, text=text))
 
 
+@lru_cache(maxsize=1024)
 def wait(code: ReasonCode, text: str = "") -> Decision:
     return Decision(Movement.WAITING, Reason(code=code, text=text))
 

@@ -9,7 +9,7 @@ from mapping.grid import FloorGrid
 from protocol.channels import OBSTACLES
 from protocol.errors import DecodeError
 from protocol.lab import Lab
-from protocol.messages import Command, Event, EventLevel, FloorRaster, GuidanceState, Movement, ReasonCode, SpeedZone
+from protocol.messages import Event, EventLevel, FloorRaster, Movement, ReasonCode, SpeedZone
 from server.guidance.blockage import robot_shapes
 from server.guidance.decision import Ground
 from server.guidance.floor_sums import FloorSums
@@ -20,6 +20,7 @@ from server.guidance.speed_limits import SpeedLimits
 from server.guidance.telling import DeadlockWatch, ProgressWatch, reason_event
 from server.guidance.unblocking import Unblocking
 from server.guidance.view import Surroundings, View
+from server.guidance.wording import Cycle, Wording
 from server.repositories.speed_zones import speed_zones_of
 
 _NS = 1_000_000_000
@@ -36,6 +37,8 @@ class Guidance:
         self._sequence = 0
         self._told: dict[str, tuple[ReasonCode, str | None, bool]] = {}
         self._since: dict[str, tuple[ReasonCode, int]] = {}
+        self._dated_of: dict[str, tuple[View, View]] = {}
+        self._wording = Wording()
         self._deadlocks = DeadlockWatch(self._parameters.deadlock_s)
         self._progress = ProgressWatch(self._parameters.no_progress_s)
         self._raster: FloorRaster | None = None
@@ -67,41 +70,29 @@ class Guidance:
         events.extend(watch.look(waits_for, snapshot))
         events.extend(self._unblocking.look(views, watch.rings, watch.lasting, snapshot, around))
         events.extend(self._progress.look(views, snapshot))
+        deadline_ns = snapshot.now_ns + round(self._parameters.command_lifetime_s * _NS)
+        commands, states = self._wording.say(views, Cycle(epoch, self._sequence, snapshot.now_ns, deadline_ns))
         return Outcome(
-            commands={name: self._command(name, view, snapshot, epoch) for name, view in views.items()},
-            states={name: _state(name, view, snapshot) for name, view in views.items()},
+            commands=commands,
+            states=states,
             changes=tuple(_changes(views, snapshot)),
             events=tuple(events),
         )
 
-    def _command(self, robot: str, view: View, snapshot: Snapshot, epoch: int) -> Command:
-        decision = view.decision
-        return Command(
-            robot=robot,
-            epoch=epoch,
-            sequence=self._sequence,
-            stamp_ns=snapshot.now_ns,
-            deadline_ns=snapshot.now_ns + round(self._parameters.command_lifetime_s * _NS),
-            movement=decision.movement,
-            reason=decision.reason,
-            target=decision.target,
-            speed_mps=decision.speed_mps,
-            final=decision.final,
-            path=decision.path,
-            action=decision.action,
-            linear_mps=decision.linear_mps,
-            angular_radps=decision.angular_radps,
-        )
-
     def _dated(self, robot: str, view: View, snapshot: Snapshot) -> View:
-        """The view with the time since when its reason's code holds."""
+        """The view with the time since when its reason's code holds; the very same as a cycle ago where nothing is new."""
+        before = self._dated_of.get(robot)
+        if before is not None and before[0] == view:
+            return before[1]
         decision = view.decision
         code, since_ns = self._since.get(robot, (None, 0))
         if code != decision.reason.code:
             since_ns = snapshot.now_ns
             self._since[robot] = decision.reason.code, since_ns
         reason = decision.reason.model_copy(update={"since_ns": since_ns})
-        return replace(view, decision=replace(decision, reason=reason))
+        dated = replace(view, decision=replace(decision, reason=reason))
+        self._dated_of[robot] = view, dated
+        return dated
 
     def _told_of(self, robot: str, view: View, snapshot: Snapshot) -> list[Event]:
         """An event when a robot's reason, or the robot that it waits for, changed; nothing about what was so at the start."""
@@ -152,18 +143,3 @@ def _changes(views: Mapping[str, View], snapshot: Snapshot) -> list[AssignmentCh
         if before is not None and view.assignment is not None and view.assignment != before:
             changes.append(AssignmentChange(before, view.assignment))
     return changes
-
-
-def _state(robot: str, view: View, snapshot: Snapshot) -> GuidanceState:
-    return GuidanceState(
-        robot=robot,
-        stamp_ns=snapshot.now_ns,
-        reason=view.decision.reason,
-        blocked=view.blocked,
-        blockage=view.blockage,
-        box=view.box,
-        carrot=view.carrot,
-        path=view.path,
-        detour=view.detour,
-        leg=view.leg,
-    )

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Protocol
 
 from geometry import SE2
 from protocol.channels import POSES, STATUSES
@@ -17,10 +18,25 @@ from protocol.messages import (
     RobotSettings,
     Route,
     SpeedZone,
-    Status,
     TrackedPose,
     Waypoint,
 )
+
+
+class Heard(Protocol):
+    """What guidance reads of a robot's Status."""
+
+    @property
+    def stamp_ns(self) -> int: ...
+    @property
+    def linear_mps(self) -> float: ...
+    @property
+    def angular_radps(self) -> float: ...
+    @property
+    def battery(self) -> float | None: ...
+    @property
+    def command_order(self) -> tuple[int, int] | None: ...
+
 
 LONGEST_MANUAL_LEASE_S = 2.0
 """A lease that runs longer comes from a clock that is wrong and would let a robot drive on for as long."""
@@ -34,7 +50,7 @@ class Snapshot:
     now_ns: int
     now_s: float
     poses: Mapping[str, TrackedPose] = field(default_factory=dict[str, TrackedPose])
-    statuses: Mapping[str, Status] = field(default_factory=dict[str, Status])
+    statuses: Mapping[str, Heard] = field(default_factory=dict[str, Heard])
     manual: Mapping[str, ManualDrive] = field(default_factory=dict[str, ManualDrive])
     emergency_stop: EmergencyStop | None = None
     obstacles: FloorRaster | None = None

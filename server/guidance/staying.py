@@ -1,6 +1,7 @@
 """Stops of a route: what a robot stays for at the end of a leg, and when it may go on (spec gpss: pick-up, drop-off, charge)."""
 
-from protocol.messages import Assignment, Leg, Reason, ReasonCode, Status, StopAction
+from protocol.messages import Assignment, Leg, Reason, ReasonCode, StopAction
+from server.guidance.snapshot import Heard
 
 _DOING = {
     StopAction.PICK_UP: "picks up",
@@ -9,7 +10,7 @@ _DOING = {
 }
 
 
-def reason_to_stay(leg: Leg, assignment: Assignment, status: Status | None, now_ns: int) -> Reason | None:
+def reason_to_stay(leg: Leg, assignment: Assignment, status: Heard | None, now_ns: int) -> Reason | None:
     """Why the robot still stays at the end of `leg`, None when it may go on: after its dwell time, with its battery charged if
     it charges and says how much it has, and confirmed if somebody is to do that. A person may let it go on at any time."""
     if assignment.at_stop_ns is None or assignment.proceed:

@@ -80,12 +80,13 @@ class Reporter:
         """The status of this moment."""
         number, self.sequence = self.sequence, self.sequence + 1
         if self.order is None:
-            order, age = b"null", b"null"
+            order, age, loss = b"null", b"null", b"null"
         else:
             order = b"[%d,%d]" % (self.order.epoch, self.order.sequence)
-            age = b"%.6f" % ((now_ns - self.heard_ns) / 1e9)
+            age, loss = b"%.6f" % ((now_ns - self.heard_ns) / 1e9), b"0.0"
         payload = (
             b'{"robot":"%s","sequence":%d,"stamp_ns":%d,%s"command_order":%s,"stopped_by":null,"pose_age_s":0.05,'
-            b'"command_age_s":%s}' % (self.robot.encode(), number, now_ns, self._about, order, age)
+            b'"command_age_s":%s,"command_loss":%s,"stop_epoch":null}'
+            % (self.robot.encode(), number, now_ns, self._about, order, age, loss)
         )
         return pack_payload(Kind.STATUS, self.robot, number, now_ns, payload, self.key)

@@ -222,7 +222,8 @@ class Robots:
         if not orders:
             return
         now_ns, now_s = time.time_ns(), time.monotonic()
-        self._command_ms.extend((now_ns - order.stamp_ns) / 1e6 for order in orders)
+        for order in orders:
+            self._command_ms.append((now_ns - order.stamp_ns) / 1e6)
         newest = orders[-1]
         if now_s - robot.heard_s > COMMAND_LIMIT_S or now_ns > newest.deadline_ns:
             self._starved += 1

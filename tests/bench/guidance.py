@@ -15,7 +15,6 @@ from launcher.output import Result, progress
 from launcher.paths import DEFAULT_LAB
 from mapping.grid import FloorGrid
 from protocol.channels import LAB_INSTANCE
-from protocol.codec import encode
 from protocol.lab import Area, Lab, VehicleSpec, load_lab
 from protocol.messages import (
     Assignment,
@@ -109,10 +108,9 @@ class Hall:
 
 @dataclass(frozen=True, slots=True)
 class Cycles:
-    """Milliseconds of each cycle, and of encoding what it says; the share of robots that were told to drive."""
+    """Milliseconds of each cycle, the encoding of what it says included; the share of robots that were told to drive."""
 
     cycle_ms: list[float]
-    encode_ms: list[float]
     driving_share: float
 
 
@@ -124,7 +122,7 @@ def measure(robots: int, cycles: int, seed: int) -> Cycles:
     chance = random.Random(seed)
     ways = {name: chance.uniform(0.0, 2 * sum(SIDE_M)) for name in hall.corners}
     assignments = {name: _assigned(name, way) for name, way in ways.items()}
-    cycle_ms, encode_ms, driving = list[float](), list[float](), 0
+    cycle_ms, driving = list[float](), 0
     for cycle in range(_WARM_UP + cycles):
         now_ns = START_NS + round(cycle * PERIOD_S * 1e9)
         snapshot = Snapshot(
@@ -140,19 +138,15 @@ def measure(robots: int, cycles: int, seed: int) -> Cycles:
         began = time.perf_counter()
         outcome = guidance.cycle(snapshot, epoch=1)
         cycled = time.perf_counter()
-        for message in (*outcome.commands.values(), *outcome.states.values()):
-            encode(message)
-        done = time.perf_counter()
         if cycle >= _WARM_UP:
             cycle_ms.append(1e3 * (cycled - began))
-            encode_ms.append(1e3 * (done - cycled))
         for change in outcome.changes:
             assignments[change.after.robot] = change.after
         for name, command in outcome.commands.items():
             if command.movement is Movement.MOVE_TO:
                 ways[name] += SPEED_MPS * PERIOD_S
                 driving += cycle >= _WARM_UP
-    return Cycles(cycle_ms, encode_ms, driving / (robots * cycles))
+    return Cycles(cycle_ms, driving / (robots * cycles))
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -169,7 +163,6 @@ def run(arguments: argparse.Namespace) -> Result:
         found = measure(robots, arguments.cycles, arguments.seed)
         figures[f"robots_{robots}_cycle_median_ms"] = round(statistics.median(found.cycle_ms), 2)
         figures[f"robots_{robots}_cycle_p95_ms"] = round(_p95(found.cycle_ms), 2)
-        figures[f"robots_{robots}_encode_median_ms"] = round(statistics.median(found.encode_ms), 2)
         figures[f"robots_{robots}_driving_share"] = round(found.driving_share, 3)
     settings = {"cycles": arguments.cycles, "seed": arguments.seed, "pallets_share": PALLETS_SHARE}
     return Result("guidance", figures, {}, settings)

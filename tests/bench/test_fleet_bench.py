@@ -1,5 +1,6 @@
 """The fleet benchmark's own arithmetic, its robots' words against the agents', and one run that is as small as can be."""
 
+import json
 from array import array
 from pathlib import Path
 
@@ -62,6 +63,7 @@ def test_statuses_are_those_that_an_agent_sends() -> None:
     agents = pack(Datagram("robot-0003", 42, 6_000_000_000, second.message), KEY)
     assert unpack(agents, KEY) == second
     assert abs(len(agents) - len(data)) < 20
+    assert list(json.loads(second.payload)) == list(Status.model_fields)
 
 
 def test_each_status_counts_once_and_old_ones_not_at_all() -> None:

@@ -48,3 +48,19 @@ async def test_patience_has_an_end(redis_server: RedisServer) -> None:
         assert 0.1 <= time.monotonic() - began_s < 1.0
     assert await client.get("key") is None
     await client.aclose()
+
+
+async def test_long_commands_arrive_as_short_ones_do(redis_url: str) -> None:
+    client = redis.asyncio.Redis.from_pool(PatientPool.from_url(redis_url))
+    entries = {
+        f"name {number} ü": value for number, value in enumerate([b"\x00\r\n", "ü", 7, -0.5, b"x" * 20_000] * 10)
+    }
+    await client.hset("long", mapping=entries)  # pyright: ignore[reportGeneralTypeIssues]  # typed for both clients
+    for name, value in entries.items():
+        await client.hset("short", name, value)  # pyright: ignore[reportGeneralTypeIssues, reportArgumentType]
+    long, short = await client.hgetall("long"), await client.hgetall("short")  # pyright: ignore[reportGeneralTypeIssues]
+    assert len(long) == len(entries)
+    assert long == short
+    await client.hset("views", mapping={str(number): memoryview(b"bytes") for number in range(40)})  # pyright: ignore[reportGeneralTypeIssues, reportArgumentType]
+    assert set((await client.hgetall("views")).values()) == {b"bytes"}  # pyright: ignore[reportGeneralTypeIssues]
+    await client.aclose()

@@ -2,6 +2,7 @@
 
 import asyncio
 import json
+from collections.abc import AsyncGenerator
 
 import redis.asyncio
 
@@ -21,6 +22,14 @@ CLOCK = SystemClock()
 
 async def _yes() -> bool:
     return True
+
+
+async def _next(stream: AsyncGenerator[bytes, None]) -> bytes:
+    return await anext(stream)
+
+
+async def _rest(stream: AsyncGenerator[bytes, None]) -> list[bytes]:
+    return [piece async for piece in stream]
 
 
 async def test_commands_reach_their_robot_only(redis_url: str) -> None:
@@ -70,6 +79,68 @@ async def test_a_command_goes_out_as_it_came_but_on_one_line() -> None:
         feeds.command(ROBOT, encoded)
         assert await anext(stream) == b"event: command\ndata: " + sent + b"\n\n"
     await stream.aclose()
+
+
+async def test_commands_go_by_the_short_way_while_nothing_waits_before_them() -> None:
+    feeds, written, clear = CommandFeeds(), list[bytes](), True
+
+    def write(piece: bytes) -> bool:
+        if clear:
+            written.append(piece)
+        return clear
+
+    def tell(sequence: int) -> bytes:
+        sent = encode(command(ROBOT, 1, sequence))
+        feeds.command(ROBOT, sent)
+        return b"event: command\ndata: " + sent + b"\n\n"
+
+    stream = command_stream(feeds, ROBOT, CLOCK, _yes, write)
+    first = tell(1)
+    feeds.stop(EmergencyStop(engaged=False))
+    assert (await anext(stream)).startswith(b"event: emergency_stop\n")
+    assert await anext(stream) == first
+    assert not written, "what was yielded may not be sent yet"
+    waiting = asyncio.create_task(_next(stream))
+    await asyncio.sleep(0)
+    assert [tell(2), tell(3)] == written
+    feeds.stop(EmergencyStop(engaged=True, epoch=1, stamp_ns=5))
+    fourth = tell(4)
+    assert (await waiting).startswith(b"event: emergency_stop\n"), "no command overtakes a stop"
+    assert await anext(stream) == fourth
+    waiting, clear = asyncio.create_task(_next(stream)), False
+    await asyncio.sleep(0)
+    tell(5)
+    sixth = tell(6)
+    assert await waiting == sixth, "the newest, by the usual way"
+    assert len(written) == 2
+    await stream.aclose()
+
+
+async def test_a_stream_of_short_ways_is_checked_and_kept_alive() -> None:
+    feeds, allowed, written = CommandFeeds(), True, list[bytes]()
+
+    class Hasty(SystemClock):
+        def monotonic_s(self) -> float:
+            return super().monotonic_s() * 100
+
+    async def may_listen() -> bool:
+        return allowed
+
+    def write(piece: bytes) -> bool:
+        written.append(piece)
+        return True
+
+    feeds.stop(EmergencyStop(engaged=False))
+    stream = command_stream(feeds, ROBOT, Hasty(), may_listen, write)
+    await anext(stream)
+    waiting = asyncio.create_task(_rest(stream))
+    loop = asyncio.get_running_loop()
+    for number in range(1, 16):
+        loop.call_later(0.05 * number, feeds.command, ROBOT, encode(command(ROBOT, 1, number)))
+    allowed, began_s = False, loop.time()
+    yielded = await waiting
+    assert loop.time() - began_s < 0.8, "nothing but commands came, and still it was asked"
+    assert len(written) > len(yielded) <= 1, "one may come while the stream wakes"
 
 
 async def test_something_is_said_every_half_second() -> None:
