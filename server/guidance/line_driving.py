@@ -10,7 +10,7 @@ from server.guidance.line import Line
 from server.guidance.parameters import GuidanceParameters
 from server.guidance.path import Point, bearing, distance, point_along, progress_along
 
-_PASSED_M = 0.08
+PASSED_M = 0.08
 """This near its end a piece is driven."""
 _ALIGN_ABOVE_RAD = 0.2
 _LITTLE_M = 0.01
@@ -73,4 +73,4 @@ class LineDriver:
 
     def _passed(self, here: Point) -> bool:
         start, end = self._ends
-        return distance(here, end) <= _PASSED_M or progress_along(here, start, end) >= distance(start, end) - _LITTLE_M
+        return distance(here, end) <= PASSED_M or progress_along(here, start, end) >= distance(start, end) - _LITTLE_M

@@ -3,7 +3,7 @@
 The search is `server.planning`'s; this module says where to search from, where to, and over which floor.
 
 At the bends of a detour robots turn on the spot, and the outline of a long one sweeps more floor then than the clearance
-beside its way. So every bend of what was found is looked at; where one has no room, the search is repeated with room for
+beside its way. So every bend of such a robot's way is looked at; where one has no room, the search is repeated with room for
 the whole turning circle beside the way, and if that finds nothing either, the robot stays.
 """
 
@@ -22,9 +22,10 @@ from geometry import SE2, angle_difference
 from mapping.grid import CELL_M, FloorGrid
 from protocol.lab import VehicleSpec
 from server.guidance.blockage import RobotShapes, nearest_blockage
-from server.guidance.box import Body, footprint_at
+from server.guidance.box import Body, Box, footprint_at
 from server.guidance.following import Detour, RouteFollower
 from server.guidance.line import Line
+from server.guidance.line_driving import PASSED_M
 from server.guidance.parameters import GuidanceParameters
 from server.guidance.path import Point, bearing
 from server.guidance.route_plan import RoutePlan
@@ -98,10 +99,10 @@ def way_around(blocked: Blocked, floor: Floor, parameters: GuidanceParameters) -
     detours = _detours(blocked, floor, parameters)
     if detours is None:
         return NoWay.ROOM
-    if _may_turn(blocked, detours, floor, parameters):
+    turning_m = max(math.hypot(x, y) for x, y in blocked.spec.footprint) + PASSED_M
+    if turning_m <= blocked.room_m or _may_turn(blocked, detours, floor, parameters):
         return detours
-    circle_m = max(math.hypot(x, y) for x, y in blocked.spec.footprint)
-    wider = replace(blocked, room_m=max(blocked.room_m, circle_m + CELL_M))
+    wider = replace(blocked, room_m=turning_m + CELL_M)
     detours = _detours(wider, floor, parameters)
     if detours is not None and _may_turn(wider, detours, floor, parameters):
         return detours
@@ -160,7 +161,7 @@ def way_aside(
 
 def _may_turn(blocked: Blocked, detours: dict[int, Detour], floor: Floor, parameters: GuidanceParameters) -> bool:
     """Whether nothing stands on the floor that the robot sweeps where it turns on the spot: before it starts, and at every
-    bend."""
+    bend, or as far from that as a piece counts as driven."""
     own = footprint_at(blocked.pose, blocked.spec).buffer(parameters.own_margin_m)
     front_m = Body.of(blocked.spec).front_m
     heading = blocked.pose.yaw
@@ -169,6 +170,8 @@ def _may_turn(blocked: Blocked, detours: dict[int, Detour], floor: Floor, parame
             turn_rad = angle_difference(bearing(start, end), heading)
             if abs(turn_rad) > LITTLE_RAD:
                 sweep = swept_by_turning(SE2(*start, heading), turn_rad, blocked.spec)
+                if start != blocked.here:
+                    sweep = Box(sweep.area.buffer(PASSED_M), sweep.line)
                 if nearest_blockage(blocked.spec.id, sweep, own, front_m, floor.grid, floor.robots) is not None:
                     return False
             heading = bearing(start, end)

@@ -3,9 +3,8 @@ import { MantineProvider } from "@mantine/core";
 import { act, cleanup, render, screen } from "@testing-library/react";
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import type { LabView, LiveMessage, SpeedZone } from "../src/api/types";
-import { toggleLayer } from "../src/floor/floor-state";
+import { toggleLayer, useFloor } from "../src/floor/floor-state";
 import { paintFloor } from "../src/floor/paint/scene";
-import { useFloor } from "../src/floor/floor-state";
 import { paletteOf } from "../src/floor/palette";
 import type { Pen } from "../src/floor/Pen";
 import { SpeedLimits } from "../src/floor/SpeedLimits";
@@ -16,9 +15,19 @@ const OUTLINE: SpeedZone["outline"] = [[3, 1], [4, 1], [4, 2], [3, 2]]; // prett
 const zone = (id: string, speed_mps: number): SpeedZone => ({ id, outline: OUTLINE, speed_mps });
 const snapshot = (zones: readonly SpeedZone[]) =>
   ({
-    ...{ type: "snapshot", stamp_ns: 1, robots: {}, cameras: {}, waypoints: {}, routes: {}, objects: {}, zones: {} },
+    type: "snapshot",
+    stamp_ns: 1,
+    robots: {},
+    cameras: {},
+    waypoints: {},
+    routes: {},
+    objects: {},
+    zones: {},
     speed_zones: Object.fromEntries(zones.map((each) => [each.id, each])),
-    ...{ estop: { engaged: false }, obstacles: null, health: { state: "ok" }, events: [] },
+    estop: { engaged: false },
+    obstacles: null,
+    health: { state: "ok" },
+    events: [],
   }) as unknown as Extract<LiveMessage, { type: "snapshot" }>;
 
 beforeEach(() => {
@@ -65,18 +74,31 @@ describe("zones on the map", () => {
   const painted = (speeds: boolean) => {
     const said: string[] = [];
     const filled: unknown[] = [];
-    const context = { font: "", fillText: vi.fn() };
     const pen = {
-      ...{ pixelsPerMetre: 100, extent: [0, 0, 8, 4], context },
-      ...{ x: (x: number) => x, y: (y: number) => y, px: (size: number) => size },
-      ...{ outline: vi.fn(), line: vi.fn(), fill: (points: unknown) => filled.push(points) },
-      chip: (_: unknown, __: number, text: string) => said.push(text),
+      pixelsPerMetre: 100,
+      extent: [0, 0, 8, 4],
+      outline: vi.fn(),
+      line: vi.fn(),
+      fill: (points: unknown) => filled.push(points),
+      chip: (_place: unknown, _belowPx: number, text: string) => said.push(text),
     } as unknown as Pen;
-    const none = { picture: false, grid: false, zones: false, cameras: false, routes: false, obstacles: false };
     paintFloor(pen, {
-      ...{ palette: paletteOf("light"), lab: { areas: [] } as unknown as LabView, picture: null, obstacles: [] },
+      palette: paletteOf("light"),
+      lab: { areas: [] } as unknown as LabView,
+      picture: null,
       state: fromSnapshot(snapshot([zone("ramp", 0.35)])),
-      layers: { ...none, boxes: false, waypoints: false, speeds },
+      obstacles: [],
+      layers: {
+        picture: false,
+        grid: false,
+        zones: false,
+        speeds,
+        cameras: false,
+        routes: false,
+        obstacles: false,
+        boxes: false,
+        waypoints: false,
+      },
     });
     return { said, filled };
   };
