@@ -20,6 +20,7 @@ from agents.link import server_host
 from protocol.clock import SystemClock
 from protocol.errors import LabFileError
 from protocol.lab import Lab, VehicleSpec, load_lab
+from protocol.lifetime import run
 from protocol.settings import Settings
 
 _logger = logging.getLogger("agents")
@@ -51,7 +52,7 @@ def main(arguments: Sequence[str] | None = None, environment: Mapping[str, str] 
     )
     driven_by = controller_name(vehicle, config.controller)
     _logger.info("%s, controller %s, estimator %s", settings, driven_by, config.estimator)
-    asyncio.run(_run(Agent(config, driver, clock)))
+    run(_run(Agent(config, driver, clock)))
 
 
 def _vehicle(lab: Lab, name: str) -> VehicleSpec:

@@ -1,6 +1,5 @@
 """`python -m lab`: the simulated lab as a process of its own (docs/architecture.md); ends within a second of SIGTERM."""
 
-import asyncio
 import logging
 
 import cv2
@@ -9,7 +8,7 @@ from lab.service import LabService, PortTakenError
 from protocol.clock import SystemClock
 from protocol.errors import LabFileError
 from protocol.lab import load_lab
-from protocol.lifetime import run_until_signal
+from protocol.lifetime import run, run_until_signal
 from protocol.settings import Settings
 
 
@@ -25,7 +24,7 @@ def main() -> None:
         raise SystemExit(f"{settings.lab}: no camera has source 'sim' and no vehicle driver 'sim': nothing to simulate")
     cv2.setNumThreads(1)  # pictures are small and the cameras share two worker threads
     try:
-        asyncio.run(run_until_signal(LabService(lab, settings, SystemClock()).run()))
+        run(run_until_signal(LabService(lab, settings, SystemClock()).run()))
     except PortTakenError as error:
         raise SystemExit(str(error)) from None
 

@@ -53,13 +53,17 @@ def lab_on_free_ports(
     folder: Path, source: Path = ROOT / "labs/gulliver.yaml", *, tours: bool = False, light: bool = False
 ) -> Path:
     """A copy of a lab file whose ports are free; without tours, so that robots stand still until a test drives them.
-    `light` halves the cameras' resolution and has 10 frames a second, which leaves two cores room for a browser beside."""
+    `light` halves the cameras' resolution, has 10 frames a second and scanners that turn 10 times a second, which leaves two
+    cores room for a browser beside."""
     lab = yaml.safe_load(source.read_text())
     for camera in lab["cameras"] if light else ():
         lens = camera["intrinsics"]
         camera.update(width=camera["width"] // 2, height=camera["height"] // 2, rate_hz=10)
         halved = {"fx": lens["fx"] / 2, "fy": lens["fy"] / 2, "cx": lens["cx"] / 2 - 0.25, "cy": lens["cy"] / 2 - 0.25}
         camera["intrinsics"] = {**lens, **halved}
+    for vehicle in lab["vehicles"] if light else ():
+        if "scanner" in vehicle:
+            vehicle["scanner"] = {**vehicle["scanner"], "rate_hz": 10}
     lab["ports"] = dict(zip(("http", "robots_udp", "scene", "lab_udp"), free_ports(4), strict=True))
     if not tours:
         del lab["simulation"]["tours"]
