@@ -8,11 +8,12 @@ from typing import Any
 
 import pytest
 from cyclonedds._clayer import ddspy_write  # the bytes themselves, which the public interface does not let one choose
+from cyclonedds.core import DDSException
 from cyclonedds.domain import DomainParticipant
 from cyclonedds.pub import DataWriter
 from cyclonedds.topic import Topic
 
-from agents.drivers import DriverError, OdometryReading, Ros2DriverConfig
+from agents.drivers import DriverError, DriverNotConnectedError, OdometryReading, Ros2DriverConfig
 from agents.drivers.ros2.driver import Ros2Driver
 from agents.drivers.ros2.scan import front_range_m, range_scan
 from agents.motion import Twist
@@ -165,6 +166,41 @@ async def test_broken_bytes_of_a_stranger_change_nothing(pair: Pair) -> None:
         reading = pair.driver.read_odometry(60.0)
         assert all(math.isfinite(n) for n in (reading.pose.x, reading.pose.y, reading.twist.linear_mps))
     assert pair.driver.rejected > 0
+
+
+class Failing:
+    """A reader whose every `take` raises."""
+
+    def __init__(self, error: Exception) -> None:
+        self.error, self.takes = error, 0
+
+    def take(self, N: int) -> list[Any]:
+        self.takes += 1
+        if self.takes > 10_000:
+            raise KeyboardInterrupt("for ever")
+        raise self.error
+
+
+async def test_a_reader_that_dds_takes_away_loses_the_base_and_finds_it_again(
+    pair: Pair, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    broken = Failing(DDSException(DDSException.DDS_RETCODE_BAD_PARAMETER))
+    monkeypatch.setattr(pair.driver, "_odometry", broken)
+    with pytest.raises(DriverNotConnectedError, match="DDS hands out nothing of /robot_15"):
+        pair.read()
+    assert not pair.driver.connected
+    await pair.driver.connect()
+    await until(lambda: pair.reading() is not None, "odometry again")
+
+
+async def test_samples_that_never_end_do_not_hold_up_the_control_loop(
+    pair: Pair, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    broken = Failing(ValueError("bytes of a stranger"))
+    monkeypatch.setattr(pair.driver, "_odometry", broken)
+    before = pair.driver.rejected
+    pair.read()
+    assert 0 < pair.driver.rejected - before == broken.takes < 1000
 
 
 AHEAD = {"T_robot_scanner": SE2.identity(), "front_m": 0.2, "half_width_m": 0.15}

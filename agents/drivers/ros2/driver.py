@@ -37,6 +37,8 @@ CLOCK_LIMIT_S = 0.5
 _GOODBYE = duration(milliseconds=200)
 _JUMP_M, _JUMP_RAD = 0.3, 0.8
 """Beyond what the vehicle can do in the time between: then its odometry was set anew."""
+_MOST_AT_ONCE = 50
+"""Samples of a topic in one round: ten times what a reader keeps. Nobody who floods it may hold up the control loop."""
 _LARGEST = 1e6
 """m, m/s and rad/s beyond which a number is nonsense."""
 _UNIT_WITHIN = 0.1
@@ -162,9 +164,14 @@ class Ros2Driver:
     def _taken(self, reader: DataReader[S] | None) -> list[S]:
         """What came in since the last time, one by one: a broken sample must not take others along."""
         taken: list[S] = []
-        while reader is not None:
+        if reader is None:
+            return taken
+        for _ in range(_MOST_AT_ONCE):
             try:
                 samples = reader.take(N=1)
+            except DDSException as error:  # the reader's, which takes nothing out and comes back at every further try
+                self._forget()
+                raise DriverNotConnectedError(f"DDS hands out nothing of /{self._config.namespace}: {error}") from error
             except Exception as error:  # whatever deserializing bytes of a stranger may raise
                 self._reject(str(error))
                 continue
