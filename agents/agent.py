@@ -33,7 +33,7 @@ from agents.link import (
 )
 from agents.link.backoff import Backoff, Trouble
 from agents.motion import STOP
-from agents.pacing import Pacer
+from agents.pacing import CONTROL_RATE_HZ, Pacer
 from agents.pilot import Pilot
 from agents.protection import RangeScan
 from agents.safety import ODOMETRY_LIMIT_S, Verdict
@@ -41,7 +41,6 @@ from protocol.clock import Clock
 from protocol.lab import Lab, VehicleSpec
 from protocol.messages import Command, EmergencyStop, Movement, Status, TrackedPose
 
-CONTROL_RATE_HZ = 20.0
 STATUS_RATE_HZ = 10.0
 STARTING_S = 5.0
 """A base that has not spoken this early is still starting: no fault yet."""

@@ -189,7 +189,7 @@ ROS2_CLASHES = [
 
 
 @pytest.mark.parametrize(("first", "second", "id_", "clash"), ROS2_CLASHES)
-def test_no_two_vehicles_command_the_same_ros_2_base(first: str, second: str, id_: str, clash: bool) -> None:  # noqa: FBT001
+def test_no_two_vehicles_command_the_same_ros_2_base(first: str, second: str, id_: str, clash: bool) -> None:
     text = GOOD.replace("    id: robot-1\n", f"    id: robot-1\n    driver: ros2\n    {first}\n")
     text = text.replace("    id: robot-2\n", f"    id: {id_}\n    {second or 'ros2: {}'}\n")
     if not clash:
