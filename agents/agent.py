@@ -161,14 +161,14 @@ class Agent:
         pacer = Pacer(self._clock, STATUS_RATE_HZ)
         consistency = ConsistencyLog(self.pilot, self._clock.monotonic_s())
         while True:
-            self.socket.send_status(self._status())
+            self.socket.send_status(self._status(self.socket.next_sequence()))
             consistency.look(self._clock.monotonic_s())
             await pacer.wait()
 
-    def _status(self) -> Status:
+    def _status(self, sequence: int) -> Status:
         trouble = self._base_trouble.text
         return self.pilot.status(
-            self.socket.next_sequence(),
+            sequence,
             self._clock.now_ns(),
             self._clock.monotonic_s(),
             ip=self.socket.address,

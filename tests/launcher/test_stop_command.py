@@ -38,10 +38,15 @@ class Robot:
     def _on_stop(self, stop: EmergencyStop) -> None:
         self.latch.update(stop)
 
-    def _status(self) -> Status:
+    def _status(self, sequence: int) -> Status:
         epoch = self.latch.epoch if self.latch.engaged else None
         return Status(
-            robot=self.id, sequence=1, stamp_ns=CLOCK.now_ns(), linear_mps=0.2, angular_radps=0.0, stop_epoch=epoch
+            robot=self.id,
+            sequence=sequence,
+            stamp_ns=CLOCK.now_ns(),
+            linear_mps=0.2,
+            angular_radps=0.0,
+            stop_epoch=epoch,
         )
 
 
