@@ -33,7 +33,7 @@ from agents.link import (
 )
 from agents.link.backoff import Backoff, Trouble
 from agents.motion import STOP
-from agents.pacing import Pacer
+from agents.pacing import CONTROL_RATE_HZ, Pacer
 from agents.pilot import Pilot
 from agents.protection import RangeScan
 from agents.safety import ODOMETRY_LIMIT_S, Verdict
@@ -41,7 +41,6 @@ from protocol.clock import Clock
 from protocol.lab import Lab, VehicleSpec
 from protocol.messages import Command, EmergencyStop, Movement, Status, TrackedPose
 
-CONTROL_RATE_HZ = 20.0
 STATUS_RATE_HZ = 10.0
 STARTING_S = 5.0
 """A base that has not spoken this early is still starting: no fault yet."""
@@ -162,14 +161,14 @@ class Agent:
         pacer = Pacer(self._clock, STATUS_RATE_HZ)
         consistency = ConsistencyLog(self.pilot, self._clock.monotonic_s())
         while True:
-            self.socket.send_status(self._status())
+            self.socket.send_status(self._status(self.socket.next_sequence()))
             consistency.look(self._clock.monotonic_s())
             await pacer.wait()
 
-    def _status(self) -> Status:
+    def _status(self, sequence: int) -> Status:
         trouble = self._base_trouble.text
         return self.pilot.status(
-            self.socket.next_sequence(),
+            sequence,
             self._clock.now_ns(),
             self._clock.monotonic_s(),
             ip=self.socket.address,

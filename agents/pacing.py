@@ -2,6 +2,9 @@
 
 from protocol.clock import Clock
 
+CONTROL_RATE_HZ = 20.0
+"""Of the agent's control loop."""
+
 
 class Pacer:
     """Call `wait` once per round. A round that took longer than its period is an overrun: the missed rounds are left out

@@ -21,7 +21,8 @@ _GET_BROADCAST = 0x8919
 
 
 class StopBroadcast(asyncio.DatagramProtocol):
-    """`answers` are the newest statuses of robots that hold the stop; `failures` say why nothing could be sent to an address."""
+    """`answers` are the newest statuses of robots that hold the stop; `failures` say why nothing at all could be sent to an
+    address."""
 
     def __init__(self, key: bytes | None, clock: Clock, expected: Collection[str]) -> None:
         self.answers: dict[str, Status] = {}
@@ -29,10 +30,17 @@ class StopBroadcast(asyncio.DatagramProtocol):
         self._key, self._clock = key, clock
         self._expected = frozenset(expected)
         self._complete = asyncio.Event()
+        self._sending = False
+        self._failed: OSError | None = None
 
     async def send(self, stop: EmergencyStop, targets: Sequence[tuple[str, int]], host: str = "0.0.0.0") -> None:  # noqa: S104
-        """Sends the stop to all targets, again and again, until every expected robot has answered, or patience is over."""
-        transport = await self._open(host)
+        """Sends the stop to all targets, again and again, until every expected robot has answered, or patience is over. What
+        cannot be sent is among the failures."""
+        try:
+            transport = await self._open(host)
+        except OSError as error:
+            self.failures = {address: error.strerror or str(error) for address, _ in targets}
+            return
         now_ns = self._clock.now_ns()
         sender = f"stop-{secrets.token_hex(4)}"
         data = pack(Datagram(sender, Sequencer(now_ns).next(), now_ns, stop), self._key)
@@ -60,7 +68,10 @@ class StopBroadcast(asyncio.DatagramProtocol):
                 self._complete.set()
 
     def error_received(self, exc: Exception) -> None:
-        """Nobody listens at one of the addresses; who did not answer is told in the end."""
+        """The transport raises nothing when it cannot send, but calls this before `sendto` returns. At any other time nobody
+        listens at one of the addresses; who did not answer is told in the end."""
+        if self._sending and isinstance(exc, OSError):
+            self._failed = exc
 
     async def _open(self, host: str) -> asyncio.DatagramTransport:
         transport, _ = await asyncio.get_running_loop().create_datagram_endpoint(
@@ -71,15 +82,28 @@ class StopBroadcast(asyncio.DatagramProtocol):
     async def _repeat(
         self, transport: asyncio.DatagramTransport, data: bytes, targets: Sequence[tuple[str, int]]
     ) -> None:
-        sent_s = 0.0
+        sent_s, reached = 0.0, set[str]()
         for at_s in REPEAT_S:
             await self._clock.sleep(at_s - sent_s)
             sent_s = at_s
-            for target in targets:
-                try:
-                    transport.sendto(data, target)
-                except OSError as error:  # one network that is down must not keep the others from hearing it
-                    self.failures[target[0]] = error.strerror or str(error)
+            for address, port in targets:
+                error = self._sent(transport, data, address, port)
+                if error is None:
+                    reached.add(address)
+                    self.failures.pop(address, None)
+                elif address not in reached:
+                    self.failures[address] = error.strerror or str(error)
+
+    def _sent(self, transport: asyncio.DatagramTransport, data: bytes, address: str, port: int) -> OSError | None:
+        """None, or why not: one network that is down must not keep the others from hearing it."""
+        self._sending, self._failed = True, None
+        try:
+            transport.sendto(data, (address, port))
+        except OSError as error:
+            return error
+        finally:
+            self._sending = False
+        return self._failed
 
 
 def broadcast_addresses() -> list[str]:

@@ -84,12 +84,7 @@ class RobotSocket(asyncio.DatagramProtocol):
         """Does nothing before the server has said where to."""
         if self._transport is None or self._server is None or self._transport.is_closing():
             return
-        try:
-            data = self._packed(status)
-        except ValueError:  # too long: long texts in wide characters; what the robot does matters more than why
-            stopped_by = status.stopped_by and status.stopped_by.model_copy(update={"text": ""})
-            data = self._packed(status.model_copy(update={"faults": (), "stopped_by": stopped_by}))
-        self._transport.sendto(data, self._server)
+        self._transport.sendto(status_datagram(status, self._key), self._server)
 
     def datagram_received(self, data: bytes, addr: tuple[str | int, int]) -> None:
         try:
@@ -107,12 +102,23 @@ class RobotSocket(asyncio.DatagramProtocol):
             self.counts.poses += 1
             self._on_pose(pose)
 
-    def _packed(self, status: Status) -> bytes:
-        return pack(Datagram(self._robot, status.sequence, status.stamp_ns, status), self._key)
-
     def error_received(self, exc: Exception) -> None:
         """The server does not listen at the moment; statuses are sent again anyway."""
         _logger.debug("a status was not delivered: %s", exc)
+
+
+def status_datagram(status: Status, key: bytes | None) -> bytes:
+    """The status as its robot sends it, without its texts where they are too long for a datagram: what the robot does matters
+    more than why."""
+    try:
+        return _packed(status, key)
+    except ValueError:  # long texts in wide characters
+        stopped_by = status.stopped_by and status.stopped_by.model_copy(update={"text": ""})
+        return _packed(status.model_copy(update={"faults": (), "stopped_by": stopped_by}), key)
+
+
+def _packed(status: Status, key: bytes | None) -> bytes:
+    return pack(Datagram(status.robot, status.sequence, status.stamp_ns, status), key)
 
 
 def server_host(server_url: str) -> str:

@@ -11,8 +11,9 @@ import socket
 from collections.abc import Callable
 
 from agents.link.backoff import Trouble
+from agents.link.datagrams import status_datagram
 from protocol.clock import Clock
-from protocol.datagram import Datagram, pack, unpack
+from protocol.datagram import Datagram, Sequencer, unpack
 from protocol.errors import DecodeError
 from protocol.messages import EmergencyStop, Status
 
@@ -42,14 +43,16 @@ class ReplayedStops:
 
 
 class StopListener(asyncio.DatagramProtocol):
-    """`on_stop` gets each new stop; whoever sent it is answered with the robot's status. `ignored` counts what was no stop."""
+    """`on_stop` gets each new stop; whoever sent it is answered with the robot's `status` of the given number. `ignored` counts
+    what was no stop. Answers have numbers of their own: among those of the server's statuses they would look lost there."""
 
     def __init__(
-        self, key: bytes | None, clock: Clock, on_stop: Callable[[EmergencyStop], None], status: Callable[[], Status]
+        self, key: bytes | None, clock: Clock, on_stop: Callable[[EmergencyStop], None], status: Callable[[int], Status]
     ) -> None:
         self.ignored = 0
         self._key, self._clock = key, clock
         self._on_stop, self._status = on_stop, status
+        self._sequencer = Sequencer(clock.now_ns())
         self._replays = ReplayedStops()
         self._trouble = Trouble(_logger, "emergency stops by broadcast")
         self._transport: asyncio.DatagramTransport | None = None
@@ -111,11 +114,9 @@ class StopListener(asyncio.DatagramProtocol):
         _logger.debug("the answer to a stop was not delivered: %s", exc)
 
     def _answer(self, addr: tuple[str | int, int]) -> None:
-        status = self._status()
+        status = self._status(self._sequencer.next())
         if self._transport is not None:
-            self._transport.sendto(
-                pack(Datagram(status.robot, status.sequence, status.stamp_ns, status), self._key), addr
-            )
+            self._transport.sendto(status_datagram(status, self._key), addr)
 
     def _ignore(self, addr: tuple[str | int, int], why: str) -> None:
         self.ignored += 1

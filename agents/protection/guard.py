@@ -13,14 +13,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.motion import STOP, Twist
+from agents.pacing import CONTROL_RATE_HZ
 from agents.protection.field import Outline, braking_sweep, in_the_way
 from agents.protection.scan import EchoFilter, RangeScan
-from protocol.lab import Limits, ProtectiveFieldSpec, VehicleSpec
+from protocol.lab import ROS2_DRIVER, Limits, ProtectiveFieldSpec, VehicleSpec
 from protocol.messages import Reason, ReasonCode
 
 Floats = NDArray[np.float64]
 _HYSTERESIS_M = 0.05
 """A robot that was stopped needs so much more room to go on: a range that trembles at the border is no permission."""
+_TAKEN_EVERY_S = 1.0 / CONTROL_RATE_HZ
+"""A ROS 2 base's scans wait in DDS for the next round of the control loop, which is more of a reaction time."""
 _NOTHING = np.empty((0, 2))
 
 
@@ -29,6 +32,7 @@ class ProtectiveGuard:
 
     def __init__(self, vehicle: VehicleSpec) -> None:
         self._spec: ProtectiveFieldSpec = vehicle.protective_field
+        self._reaction_s = self._spec.reaction_s + (_TAKEN_EVERY_S if vehicle.driver == ROS2_DRIVER else 0.0)
         self._limits: Limits = vehicle.limits
         self._outline = Outline(vehicle.footprint)
         self._filter = EchoFilter(self._spec.neighbours)
@@ -87,7 +91,7 @@ class ProtectiveGuard:
         """Things in the field of a motion that is held for so much longer than the reaction takes."""
         if not len(self._things) or twist == STOP:
             return _NOTHING
-        sweep = braking_sweep(twist, self._limits, self._outline.radius_m, self._spec.reaction_s + more_s)
+        sweep = braking_sweep(twist, self._limits, self._outline.radius_m, self._reaction_s + more_s)
         return in_the_way(self._things, self._outline, sweep, margin_m)
 
     def _slowed(self, twist: Twist) -> Twist:

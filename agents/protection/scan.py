@@ -36,10 +36,13 @@ class RangeScan:
         range_max_m: float,
         T_robot_scanner: SE2,
     ) -> Self:
-        """From the range of every beam; ranges that are no numbers, or outside of what the scanner can measure, say nothing."""
-        with np.errstate(invalid="ignore"):
-            beams = np.flatnonzero(np.isfinite(ranges_m) & (ranges_m >= range_min_m) & (ranges_m <= range_max_m))
-        bearings, ranges = angle_min + angle_increment * beams, ranges_m[beams]
+        """From the range of every beam. What is nearer than the scanner can measure (REP 117: minus infinity; some tell their
+        guess) is an echo as near as it can: whoever steps right up to the scanner has not gone. 0, infinity, what is no number
+        and what is beyond the scanner's reach say nothing."""
+        nearer = (ranges_m == -np.inf) | ((ranges_m > 0.0) & (ranges_m < range_min_m))
+        measured = np.where(nearer, range_min_m, ranges_m)
+        beams = np.flatnonzero(nearer | ((measured > 0.0) & (measured >= range_min_m) & (measured <= range_max_m)))
+        bearings, ranges = angle_min + angle_increment * beams, measured[beams]
         points = np.column_stack((ranges * np.cos(bearings), ranges * np.sin(bearings)))
         return cls(stamp_ns, T_robot_scanner.apply(points), beams)
 

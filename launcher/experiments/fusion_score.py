@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.agent import CONTROL_RATE_HZ
+from agents.pacing import CONTROL_RATE_HZ
 from launcher.experiments.fusion_camera import Delivery
 from launcher.experiments.fusion_methods import Method
 from launcher.experiments.fusion_runs import Run

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.agent import CONTROL_RATE_HZ
 from agents.control import CONTROLLERS
 from agents.drivers import OdometryReading
 from agents.estimation import DEFAULT_ESTIMATOR, ESTIMATORS
 from agents.motion import Twist
+from agents.pacing import CONTROL_RATE_HZ
 from agents.pilot import Pilot
 from geometry import SE2
 from lab.world import World

@@ -7,6 +7,7 @@ from pydantic import Field, ValidationInfo, model_validator
 
 from protocol.lab.base import Identifier, LabModel
 from protocol.lab.devices import (
+    ROS2_DRIVER,
     Accuracy,
     Area,
     CameraSpec,
@@ -101,6 +102,7 @@ def _cross_problems(lab: Lab, *, recorded: bool) -> Iterator[tuple[Location, str
         if camera.source == "sim" and camera.id not in lab.simulation.mounts and not recorded:
             yield ("cameras", index, "source"), f"simulated camera {camera.id!r} has no entry in simulation.mounts"
     yield from _tag_clashes(lab)
+    yield from _ros2_clashes(lab)
     known_cameras, known_vehicles = {c.id for c in lab.cameras}, {v.id for v in lab.vehicles}
     for name in lab.simulation.mounts:
         if name not in known_cameras:
@@ -141,6 +143,25 @@ def _tag_clashes(lab: Lab) -> Iterator[tuple[Location, str]]:
                 f"{key[0]} id {key[1]} is used by both {owners[key]} and vehicle {vehicle.id!r}",
             )
         owners[key] = f"vehicle {vehicle.id!r}"
+
+
+def _ros2_clashes(lab: Lab) -> Iterator[tuple[Location, str]]:
+    """Two vehicles that command one base would each be right about its brakes and wrong about its way. A domain that is left
+    out is ROS_DOMAIN_ID's, so it may be any other's."""
+    before: list[tuple[str, int | None, str]] = []
+    for index, vehicle in enumerate(lab.vehicles):
+        if vehicle.driver != ROS2_DRIVER:
+            continue
+        name, domain = vehicle.ros2_namespace, None if vehicle.ros2 is None else vehicle.ros2.domain
+        for other, others_domain, id_ in before:
+            if other == name and (domain == others_domain or domain is None or others_domain is None):
+                yield (
+                    ("vehicles", index, "id"),
+                    f"vehicles {id_!r} and {vehicle.id!r} are both the ROS 2 base /{name}, maybe in one DDS domain: give each "
+                    "a ros2.namespace or a ros2.domain of its own",
+                )
+                break
+        before.append((name, domain, vehicle.id))
 
 
 def _listed(names: set[str]) -> str:

@@ -172,6 +172,15 @@ class VehicleSpec(LabModel):
             raise ValueError(f"ros2 is for vehicles whose driver is {ROS2_DRIVER}, this one's is {self.driver}")
         return self
 
+    @property
+    def ros2_namespace(self) -> str:
+        """As the lab description says, else made from the id, whose dashes ROS does not allow, nor a digit at the beginning,
+        nor two underscores in a row, nor one at the end."""
+        if self.ros2 is not None and self.ros2.namespace is not None:
+            return self.ros2.namespace
+        name = "_".join(part for part in self.id.replace("-", "_").split("_") if part)
+        return name if name[0].isalpha() else f"robot_{name}"
+
 
 class ZoneSpec(LabModel):
     """An exclusive zone cut into sub-areas (polygons in metres, map frame); vehicles nearer than `detection_m` matter."""

@@ -46,7 +46,8 @@ class ProtectiveFieldSpec(LabModel):
     """The fields that the agent watches where a vehicle has a scanner (agents/protection).
 
     - `margin_m`: what must remain free around everything that the outline sweeps until it stands.
-    - `reaction_s`: from an echo to the beginning of braking: a turn of the scanner, transport, the motors' delay.
+    - `reaction_s`: from an echo to the beginning of braking: a turn of the scanner, transport, the motors' delay; on ROS 2
+      the agent adds a round of its control loop (50 ms).
     - `clear_s`: how long the protective field must have been clear before the robot moves again.
     - `warning_s`, `warning_margin_m`: the warning field reaches as much farther as the robot drives in this time, and keeps so
       much free around it.

@@ -13,12 +13,8 @@ def topic(*parts: str) -> str:
 
 
 def namespace_of(vehicle: VehicleSpec) -> str:
-    """The namespace of a vehicle's own topics: as the lab description says, else made from its id, whose dashes ROS does not
-    allow, nor a digit at the beginning, nor two underscores in a row, nor one at the end."""
-    if vehicle.ros2 is not None and vehicle.ros2.namespace is not None:
-        return vehicle.ros2.namespace
-    name = "_".join(part for part in vehicle.id.replace("-", "_").split("_") if part)
-    return name if name[0].isalpha() else f"robot_{name}"
+    """The namespace of a vehicle's own topics, which the lab description makes sure that no other ROS 2 base has."""
+    return vehicle.ros2_namespace
 
 
 def pose_topic(vehicle: VehicleSpec) -> str:

@@ -26,6 +26,7 @@ class RosBase:
         self.ranges = [float("inf")] * 360
         self.scans = True
         self.clock_offset_ns = 0
+        self.scans_late_ns = 0
         self._namespace, self._domain = namespace, domain
         self._clock = SystemClock()
         self._heard_s = 0.0
@@ -84,4 +85,4 @@ class RosBase:
             last_s = now_s
             self.say_odometry()
             if self.scans:
-                self._scan.write(scan(self._clock.now_ns(), self.ranges))
+                self._scan.write(scan(self._clock.now_ns() - self.scans_late_ns, self.ranges))

@@ -5,6 +5,7 @@ import contextlib
 import re
 import socket
 from collections.abc import AsyncIterator, Callable
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -236,6 +237,17 @@ async def test_a_silent_scanner_stops_it(world: World) -> None:
     await world.still()
     await until(lambda: world.server.statuses[-1].faults, "the fault")
     assert "safety scanner" in world.server.statuses[-1].faults[0]
+
+
+async def test_answers_to_a_stop_by_broadcast_leave_no_gap_in_the_servers_statuses(world: World) -> None:
+    clock, statuses = world.clock, world.server.statuses
+    await until(lambda: len(statuses) > 1, "statuses")
+    for number in range(3):
+        stop = EmergencyStop(engaged=True, epoch=number + 1, stamp_ns=clock.now_ns(), by="anna")
+        await StopBroadcast(KEY, clock, [ROBOT]).send(stop, [(LOOPBACK_BROADCAST, LAB.ports.stop_udp)], "127.0.0.1")
+    told = len(statuses)
+    await until(lambda: len(statuses) > told + 1, "more statuses")
+    assert {later.sequence - before.sequence for before, later in pairwise(statuses)} == {1}
 
 
 async def test_a_stop_by_broadcast_stops_it_with_a_dead_server_and_until_a_newer_release(world: World) -> None:

@@ -150,6 +150,33 @@ class TestEchoes:
         assert scan.beams.tolist() == [0, 5]
         assert scan.points == pytest.approx(np.array([[0.2, 1.1], [-1.8, 0.1]]))
 
+    def test_what_is_nearer_than_the_scanner_can_measure_is_as_near_as_it_can(self) -> None:
+        ranges = np.array([-np.inf, 0.04, 0.0, -0.5, -0.0, np.nan, 0.1])
+        scan = RangeScan.polar(
+            5,
+            ranges,
+            angle_min=0.0,
+            angle_increment=0.1,
+            range_min_m=0.1,
+            range_max_m=8.0,
+            T_robot_scanner=SE2.identity(),
+        )
+        assert scan.beams.tolist() == [0, 1, 6]
+        assert np.hypot(*scan.points.T) == pytest.approx([0.1, 0.1, 0.1])
+
+
+def at_the_scanner(range_m: float, range_min_m: float) -> RangeScan:
+    """Five beams straight ahead of a WifiBot's scanner."""
+    return RangeScan.polar(
+        0,
+        np.full(5, range_m),
+        angle_min=-0.02,
+        angle_increment=0.01,
+        range_min_m=range_min_m,
+        range_max_m=4.0,
+        T_robot_scanner=SE2(0.1, 0.0, 0.0),
+    )
+
 
 class TestGuard:
     AHEAD = Twist(0.3, 0.0)
@@ -174,6 +201,28 @@ class TestGuard:
         guard.scan(wall(3.0), STOP, 0.5)
         assert guard.limit(self.AHEAD, STOP, 0.9)[0] == STOP, "not clear for long enough"
         assert guard.limit(self.AHEAD, STOP, 1.1) == (self.AHEAD, None)
+
+    @pytest.mark.parametrize("range_m", [-math.inf, 0.06])
+    def test_who_steps_right_up_to_the_scanner_stays_in_the_field(self, range_m: float) -> None:
+        guard = self.guard()
+        guard.scan(at_the_scanner(0.12, 0.1), STOP, 0.0)
+        assert guard.limit(self.AHEAD, STOP, 0.0)[0] == STOP
+        for step in range(1, 60):
+            guard.scan(at_the_scanner(range_m, 0.1), STOP, step * 0.05)
+            assert guard.limit(self.AHEAD, STOP, step * 0.05)[0] == STOP
+
+    def test_what_is_that_near_inside_the_outline_is_the_robot_itself(self) -> None:
+        guard = self.guard()
+        guard.scan(at_the_scanner(-math.inf, 0.02), STOP, 0.0)
+        assert guard.limit(self.AHEAD, STOP, 0.0) == (self.AHEAD, None)
+
+    def test_scans_that_wait_for_the_control_loop_make_the_field_longer(self) -> None:
+        """A ROS 2 base's do, for up to 50 ms."""
+        between = wall(self.REACH_M + 0.3 * 0.05 / 2)
+        for driver, stops in (("sim", False), ("ros2", True)):
+            guard = ProtectiveGuard(WIFIBOT.model_copy(update={"driver": driver}))
+            guard.limit(self.AHEAD, self.AHEAD, 0.0)
+            assert guard.scan(between, self.AHEAD, 0.01) is stops
 
     def test_a_range_that_trembles_around_the_border_is_no_permission(self) -> None:
         guard = self.guard()

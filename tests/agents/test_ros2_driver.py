@@ -8,14 +8,16 @@ from typing import Any
 
 import pytest
 from cyclonedds._clayer import ddspy_write  # the bytes themselves, which the public interface does not let one choose
+from cyclonedds.core import DDSException
 from cyclonedds.domain import DomainParticipant
 from cyclonedds.pub import DataWriter
 from cyclonedds.topic import Topic
 
-from agents.drivers import DriverError, OdometryReading, Ros2DriverConfig
+from agents.drivers import DriverError, DriverNotConnectedError, OdometryReading, Ros2DriverConfig
 from agents.drivers.ros2.driver import Ros2Driver
 from agents.drivers.ros2.scan import front_range_m, range_scan
 from agents.motion import Twist
+from agents.protection import RangeScan
 from geometry import SE2
 from protocol.clock import SystemClock
 from protocol.lab import load_lab
@@ -66,6 +68,12 @@ async def pair() -> AsyncIterator[Pair]:
     await made.base.stop()
 
 
+def faults(pair: Pair) -> tuple[str, ...]:
+    """After everything that came in."""
+    pair.reading()
+    return pair.driver.faults()
+
+
 def test_the_config_is_the_lab_file_s() -> None:
     found = Ros2DriverConfig.of(VEHICLE, {})
     assert (found.namespace, found.domain, found.scan) == ("wifibot_14", 0, True)
@@ -108,6 +116,34 @@ async def test_a_scanner_that_falls_silent_is_a_fault(pair: Pair) -> None:
         return any("the scanner on /robot_15/scan says nothing for" in fault for fault in pair.driver.faults())
 
     await until(told, "a fault")
+
+
+@pytest.mark.parametrize(
+    ("late_ns", "says"),
+    [(2_000_000_000, "scan says what was 2.0 s behind"), (-2_000_000_000, "scan says what was 2.0 s ahead")],
+)
+async def test_scans_of_another_time_are_a_fault_and_clear_nothing(pair: Pair, late_ns: int, says: str) -> None:
+    pair.base.ranges[180] = 0.50
+    await until(lambda: pair.read().front_range_m is not None, "something ahead")
+    pair.base.scans_late_ns = late_ns
+    pair.base.ranges[180] = INF
+    await until(lambda: any(says in fault for fault in faults(pair)), "a fault")
+    heard: list[RangeScan] = []
+    pair.driver.watch_scans(heard.append)
+    before = pair.driver.rejected
+    await until(lambda: bool(faults(pair)) and pair.driver.rejected > before + 2, "more of them")
+    assert heard == []
+    pair.base.scans_late_ns = 0
+    await until(lambda: not faults(pair) and bool(heard), "scans of now")
+
+
+@pytest.mark.parametrize("range_m", [0.0, math.nan])
+async def test_a_scanner_that_sees_nothing_at_all_is_a_fault(pair: Pair, range_m: float) -> None:
+    await until(lambda: not faults(pair), "scans")
+    pair.base.ranges = [range_m] * 360
+    await until(lambda: any("scan is blind" in fault for fault in faults(pair)), "a fault")
+    pair.base.ranges = [INF] + [range_m] * 359
+    await until(lambda: not faults(pair), "one beam that says that nothing is there")
 
 
 async def test_a_vehicle_without_a_scanner_needs_none() -> None:
@@ -167,6 +203,41 @@ async def test_broken_bytes_of_a_stranger_change_nothing(pair: Pair) -> None:
     assert pair.driver.rejected > 0
 
 
+class Failing:
+    """A reader whose every `take` raises."""
+
+    def __init__(self, error: Exception) -> None:
+        self.error, self.takes = error, 0
+
+    def take(self, N: int) -> list[Any]:
+        self.takes += 1
+        if self.takes > 10_000:
+            pytest.fail("for ever")
+        raise self.error
+
+
+async def test_a_reader_that_dds_takes_away_loses_the_base_and_finds_it_again(
+    pair: Pair, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    broken = Failing(DDSException(DDSException.DDS_RETCODE_BAD_PARAMETER))
+    monkeypatch.setattr(pair.driver, "_odometry", broken)
+    with pytest.raises(DriverNotConnectedError, match="DDS hands out nothing of /robot_15"):
+        pair.read()
+    assert not pair.driver.connected
+    await pair.driver.connect()
+    await until(lambda: pair.reading() is not None, "odometry again")
+
+
+async def test_samples_that_never_end_do_not_hold_up_the_control_loop(
+    pair: Pair, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    broken = Failing(ValueError("bytes of a stranger"))
+    monkeypatch.setattr(pair.driver, "_odometry", broken)
+    before = pair.driver.rejected
+    pair.read()
+    assert 0 < pair.driver.rejected - before == broken.takes < 1000
+
+
 AHEAD = {"T_robot_scanner": SE2.identity(), "front_m": 0.2, "half_width_m": 0.15}
 
 
@@ -191,6 +262,7 @@ def test_front_range_is_measured_from_the_robot_s_front_in_its_lane() -> None:
     assert seen(only(180, 20.0)) is None, "beyond what it can measure"
     assert seen([math.nan] * 360) is None
     assert seen([-1.0] * 360) is None
+    assert seen(only(180, -INF), front_m=0.1) == pytest.approx(0.0, abs=1e-6), "nearer than it can measure"
 
 
 def test_the_scanner_s_own_place_and_direction_count() -> None:

@@ -24,6 +24,7 @@ class Ears:
     def __init__(self, robot: str, key: bytes | None = KEY) -> None:
         self.robot, self.latch = robot, EmergencyStopLatch()
         self.latch.update(EmergencyStop(engaged=False, epoch=4))
+        self.faults: tuple[str, ...] = ()
         self.heard: list[EmergencyStop] = []
         self.listener = StopListener(key, CLOCK, self._on_stop, self._status)
 
@@ -31,11 +32,17 @@ class Ears:
         self.heard.append(stop)
         self.latch.update(stop)
 
-    def _status(self) -> Status:
+    def _status(self, sequence: int) -> Status:
         epoch = self.latch.epoch if self.latch.engaged else None
         now_ns = CLOCK.now_ns()
         return Status(
-            robot=self.robot, sequence=1, stamp_ns=now_ns, linear_mps=0.0, angular_radps=0.0, stop_epoch=epoch
+            robot=self.robot,
+            sequence=sequence,
+            stamp_ns=now_ns,
+            linear_mps=0.0,
+            angular_radps=0.0,
+            stop_epoch=epoch,
+            faults=self.faults,
         )
 
 
@@ -101,6 +108,16 @@ async def test_one_datagram_stops_every_robot_and_each_answers(hall: tuple[list[
     said = [unpack(answer, KEY).message for answer in mouth.answers]
     assert {status.robot for status in said if isinstance(status, Status)} == {each.robot for each in ears}
     assert all(isinstance(status, Status) and status.stop_epoch is not None for status in said)
+
+
+async def test_a_robot_whose_texts_are_long_answers_without_them(hall: tuple[list[Ears], Mouth]) -> None:
+    ears, mouth = hall
+    for each in ears:
+        each.faults = ("\N{WARNING SIGN}" * 200,) * 3
+    mouth.say(stop_datagram())
+    await until(lambda: len(mouth.answers) == 3, "answers")
+    said = [unpack(answer, KEY).message for answer in mouth.answers]
+    assert all(isinstance(status, Status) and status.stop_epoch and not status.faults for status in said)
 
 
 async def test_a_repetition_is_answered_but_stops_nothing_a_second_time(hall: tuple[list[Ears], Mouth]) -> None:

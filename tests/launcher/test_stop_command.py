@@ -4,6 +4,7 @@ import asyncio
 import json
 import socket
 from collections.abc import AsyncIterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -14,10 +15,11 @@ from agents.link import StopListener
 from agents.link.stops import LOOPBACK_BROADCAST
 from agents.safety import EmergencyStopLatch
 from launcher.cli import main
-from launcher.stop_broadcast import broadcast_addresses
+from launcher.stop_broadcast import StopBroadcast, broadcast_addresses
 from protocol.bus import Bus
 from protocol.channels import EMERGENCY_STOP, LAB_INSTANCE
 from protocol.clock import SystemClock
+from protocol.lab import GPSS_DRIVER
 from protocol.messages import EmergencyStop, Status
 
 GULLIVER = Path(__file__).parents[2] / "labs" / "gulliver.yaml"
@@ -36,10 +38,15 @@ class Robot:
     def _on_stop(self, stop: EmergencyStop) -> None:
         self.latch.update(stop)
 
-    def _status(self) -> Status:
+    def _status(self, sequence: int) -> Status:
         epoch = self.latch.epoch if self.latch.engaged else None
         return Status(
-            robot=self.id, sequence=1, stamp_ns=CLOCK.now_ns(), linear_mps=0.2, angular_radps=0.0, stop_epoch=epoch
+            robot=self.id,
+            sequence=sequence,
+            stamp_ns=CLOCK.now_ns(),
+            linear_mps=0.2,
+            angular_radps=0.0,
+            stop_epoch=epoch,
         )
 
 
@@ -80,6 +87,21 @@ async def stop(lab: Path, *more: str) -> int:
     return await asyncio.to_thread(main, arguments)
 
 
+def without_agents(lab: Path) -> None:
+    description: dict[str, Any] = yaml.safe_load(lab.read_text())
+    for vehicle in description["vehicles"]:
+        vehicle["driver"] = GPSS_DRIVER
+    lab.write_text(yaml.safe_dump(description))
+
+
+async def latch(redis_url: str) -> EmergencyStop:
+    bus = Bus.connect(redis_url, CLOCK)
+    known = await bus.latest(EMERGENCY_STOP, LAB_INSTANCE)
+    await bus.close()
+    assert known is not None
+    return known
+
+
 async def test_every_robot_holds_it_and_redis_has_it(
     lab: Path, robots: list[Robot], redis_url: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -88,10 +110,8 @@ async def test_every_robot_holds_it_and_redis_has_it(
     result = json.loads(capsys.readouterr().out)
     assert result["figures"] == {"robots_stopped": 2, "robots_silent": 0, "written": True}
     assert [robot.latch.engaged for robot in robots] == [True, True]
-    bus = Bus.connect(redis_url, CLOCK)
-    known = await bus.latest(EMERGENCY_STOP, LAB_INSTANCE)
-    await bus.close()
-    assert known is not None and (known.engaged, known.reason) == (True, "smoke")
+    known = await latch(redis_url)
+    assert (known.engaged, known.reason) == (True, "smoke")
     assert known.epoch == robots[0].latch.epoch, "one release is for all"
 
 
@@ -109,11 +129,103 @@ async def test_it_works_with_everything_dead_and_says_who_is_silent(
     assert robots[0].latch.engaged and not robots[1].latch.engaged
 
 
-async def test_without_the_systems_key_it_says_what_to_do(lab: Path, capsys: pytest.CaptureFixture[str]) -> None:
+async def test_without_the_systems_key_it_says_what_to_do(
+    lab: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.delenv("REDIS_URL", raising=False)
     (lab.parent / "state" / "udp.key").unlink()
     assert await stop(lab) == 2
-    assert "udp.key" in capsys.readouterr().err
+    told = capsys.readouterr().err
+    assert "nobody is stopped" in told and "udp.key" in told and "no Redis runs here" in told
     assert not (lab.parent / "state" / "udp.key").exists(), "a key made now would be nobody's"
+
+
+async def test_without_the_systems_key_the_server_still_hears_of_it(
+    lab: Path, redis_url: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("REDIS_URL", redis_url)
+    (lab.parent / "state" / "udp.key").unlink()
+    assert await stop(lab) == 1, "no robot vouches for it"
+    told = capsys.readouterr()
+    assert "no robot is told directly" in told.err
+    assert "wifibot-14: NO ANSWER" in told.out and "orders it to stand" in told.out
+    assert (await latch(redis_url)).engaged
+
+
+async def test_the_latch_does_not_wait_for_robots_that_are_silent(
+    lab: Path, redis_url: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Here patience ends only when Redis has it."""
+    in_redis: list[bool] = []
+
+    async def patient(*_: object) -> None:
+        bus = Bus.connect(redis_url, CLOCK)
+        with suppress(TimeoutError):
+            async with asyncio.timeout(2.0):
+                while (known := await bus.latest(EMERGENCY_STOP, LAB_INSTANCE)) is None or not known.engaged:  # noqa: ASYNC110  # Redis'
+                    await asyncio.sleep(0.01)
+                in_redis.append(True)
+        await bus.close()
+
+    monkeypatch.setattr(StopBroadcast, "send", patient)
+    monkeypatch.setenv("REDIS_URL", redis_url)
+    assert await stop(lab) == 1
+    assert in_redis == [True]
+
+
+async def test_robots_without_an_agent_are_stopped_by_redis_or_not_at_all(
+    lab: Path, redis_url: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    without_agents(lab)
+    monkeypatch.setattr("launcher.stop_broadcast.PATIENCE_S", 0.1)
+    monkeypatch.setenv("REDIS_URL", redis_url)
+    assert await stop(lab) == 0
+    assert (await latch(redis_url)).engaged
+    capsys.readouterr()
+    monkeypatch.setenv("REDIS_URL", "redis://127.0.0.1:1")
+    assert await stop(lab) == 1
+    assert "wifibot-14: NOT TOLD" in capsys.readouterr().out
+
+
+async def test_who_is_silent_may_drive_on_when_redis_has_no_stop_either(
+    lab: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("launcher.stop_broadcast.PATIENCE_S", 0.1)
+    monkeypatch.setenv("REDIS_URL", "redis://127.0.0.1:1")
+    assert await stop(lab) == 1
+    told = capsys.readouterr()
+    assert "wifibot-14: NO ANSWER" in told.out and "may DRIVE ON" in told.out
+    assert "0.5 s after the last command" not in told.out
+
+
+async def test_an_address_that_nothing_can_be_sent_to_is_told_and_keeps_nobody_else_from_hearing_it(
+    lab: Path, robots: list[Robot], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.delenv("REDIS_URL", raising=False)
+    assert await stop(lab, "--to", "0.0.0.256") == 0
+    assert [robot.latch.engaged for robot in robots] == [True, True]
+    assert "nothing could be sent to 0.0.0.256" in capsys.readouterr().err
+
+
+async def test_without_a_socket_the_latch_is_written_all_the_same(
+    lab: Path, redis_url: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    async def closed(*_: object) -> None:
+        raise OSError(24, "Too many open files")
+
+    monkeypatch.setattr(StopBroadcast, "_open", closed)
+    monkeypatch.setenv("REDIS_URL", redis_url)
+    assert await stop(lab) == 1
+    assert f"nothing could be sent to {LOOPBACK_BROADCAST}: Too many open files" in capsys.readouterr().err
+    assert (await latch(redis_url)).engaged
+
+
+async def test_a_reason_in_bytes_that_are_no_text_stops_robots_too(
+    lab: Path, robots: list[Robot], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("REDIS_URL", raising=False)
+    assert await stop(lab, "--reason", "fum\udce9e\n" + "\x01" * 300) == 0
+    assert robots[0].latch.engaged
 
 
 def test_the_loopback_is_among_the_networks() -> None:

@@ -177,6 +177,29 @@ def test_clashes_are_found_together() -> None:
     assert any("floor tag 0 and vehicle 'robot-1'" in what for _, _, what in found)
 
 
+ROS2_CLASHES = [
+    ("", "", "robot_1", True),
+    ("", "", "robot-3", False),
+    ("ros2: {namespace: base}", "ros2: {namespace: base}", "robot-2", True),
+    ("ros2: {namespace: base, domain: 1}", "ros2: {namespace: base, domain: 1}", "robot-2", True),
+    ("ros2: {namespace: base, domain: 1}", "ros2: {namespace: base, domain: 2}", "robot-2", False),
+    ("ros2: {namespace: base}", "ros2: {namespace: base, domain: 2}", "robot-2", True),
+    ("ros2: {namespace: robot_2}", "", "robot-2", True),
+]
+
+
+@pytest.mark.parametrize(("first", "second", "id_", "clash"), ROS2_CLASHES)
+def test_no_two_vehicles_command_the_same_ros_2_base(first: str, second: str, id_: str, clash: bool) -> None:
+    text = GOOD.replace("    id: robot-1\n", f"    id: robot-1\n    driver: ros2\n    {first}\n")
+    text = text.replace("    id: robot-2\n", f"    id: {id_}\n    {second or 'ros2: {}'}\n")
+    if not clash:
+        assert len(parse_lab(text, "room.yaml").vehicles) == 2
+        return
+    ((line, where, what),) = problems_of(text)
+    assert (line, where) == (line_of(text, f"id: {id_}"), "vehicles[1].id")
+    assert f"'robot-1' and '{id_}'" in what and "DDS domain" in what
+
+
 @pytest.mark.parametrize(
     ("old", "new", "line_text", "words"),
     [

@@ -21,7 +21,7 @@ from cyclonedds.util import duration
 
 from agents.drivers.driver import DriverNotConnectedError, OdometryReading, OdometryStaleError
 from agents.drivers.ros2.config import Ros2DriverConfig
-from agents.drivers.ros2.scan import front_range_m, is_sound, range_scan
+from agents.drivers.ros2.scan import front_range_m, is_blind, is_sound, range_scan
 from agents.motion import STOP, Twist
 from agents.protection import RangeScan
 from geometry import SE2
@@ -33,10 +33,13 @@ from protocol.ros2.quality import DEFAULT, SENSOR_DATA
 S = TypeVar("S", bound=IdlStruct)
 
 SCAN_LIMIT_S = 0.5
+"""Since the newest scan, and between a scan's stamp and now."""
 CLOCK_LIMIT_S = 0.5
 _GOODBYE = duration(milliseconds=200)
 _JUMP_M, _JUMP_RAD = 0.3, 0.8
 """Beyond what the vehicle can do in the time between: then its odometry was set anew."""
+_MOST_AT_ONCE = 50
+"""Samples of a topic in one round: ten times what a reader keeps. Nobody who floods it may hold up the control loop."""
 _LARGEST = 1e6
 """m, m/s and rad/s beyond which a number is nonsense."""
 _UNIT_WITHIN = 0.1
@@ -55,6 +58,7 @@ class Ros2Driver:
         self._scans: DataReader[ros.LaserScan] | None = None
         self._newest: tuple[OdometryReading, float] | None = None
         self._scanned: tuple[float | None, float] | None = None
+        self._scan_trouble = ""
         self._heard: Callable[[RangeScan], None] | None = None
         self._resets = 0
         self._writer_handle = 0
@@ -85,7 +89,7 @@ class Ros2Driver:
             self._forget()
             raise DriverNotConnectedError(f"no way to ROS 2 in DDS domain {self._config.domain}: {error}") from error
         self._participant = participant
-        self._newest, self._scanned = None, None
+        self._newest, self._scanned, self._scan_trouble = None, None, ""
         self._connected_s = self._clock.monotonic_s()
 
     async def close(self) -> None:
@@ -132,7 +136,9 @@ class Ros2Driver:
         if self._config.scan and self.connected:
             heard_s = self._connected_s if self._scanned is None else self._scanned[1]
             silent_s = self._clock.monotonic_s() - heard_s
-            if self._scanned is None or silent_s > SCAN_LIMIT_S:
+            if self._scan_trouble:
+                found.append(f"the scanner on /{self._config.namespace}/scan {self._scan_trouble}")
+            elif self._scanned is None or silent_s > SCAN_LIMIT_S:
                 found.append(f"the scanner on /{self._config.namespace}/scan says nothing for {silent_s:.1f} s")
         if self._newest is not None:
             off_s = (self._newest[0].stamp_ns - self._clock.now_ns()) / 1e9 + (
@@ -154,17 +160,34 @@ class Ros2Driver:
             if not is_sound(scan):
                 self._reject("a scan whose numbers are none")
                 continue
+            self._scan_trouble = self._trouble_with(scan)
+            if self._scan_trouble:  # it must not clear the protective field of what an earlier one has seen
+                self._reject(f"a scan of a scanner that {self._scan_trouble}")
+                continue
             seen = range_scan(scan, self._config)
             self._scanned = front_range_m(seen, self._config), now_s
             if self._heard is not None:
                 self._heard(seen)
 
+    def _trouble_with(self, scan: ros.LaserScan) -> str:
+        """Why the robot must not drive by this scan; empty when it may."""
+        age_s = (self._clock.now_ns() - scan.header.stamp.stamp_ns) / 1e9
+        if abs(age_s) > SCAN_LIMIT_S:
+            way = "behind" if age_s > 0 else "ahead"
+            return f"says what was {abs(age_s):.1f} s {way}: it is late, or its clock is off (keep it by NTP)"
+        return "is blind: no beam says anything, as when it is covered" if is_blind(scan) else ""
+
     def _taken(self, reader: DataReader[S] | None) -> list[S]:
         """What came in since the last time, one by one: a broken sample must not take others along."""
         taken: list[S] = []
-        while reader is not None:
+        if reader is None:
+            return taken
+        for _ in range(_MOST_AT_ONCE):
             try:
                 samples = reader.take(N=1)
+            except DDSException as error:  # the reader's, which takes nothing out and comes back at every further try
+                self._forget()
+                raise DriverNotConnectedError(f"DDS hands out nothing of /{self._config.namespace}: {error}") from error
             except Exception as error:  # whatever deserializing bytes of a stranger may raise
                 self._reject(str(error))
                 continue

@@ -14,7 +14,7 @@ footprint is the robot itself."""
 
 
 def range_scan(scan: LaserScan, config: Ros2DriverConfig) -> RangeScan:
-    """The echoes in the robot's frame. Ranges that are no numbers, or outside of what the scanner can measure, say nothing."""
+    """The echoes in the robot's frame."""
     return RangeScan.polar(
         scan.header.stamp.stamp_ns,
         np.asarray(scan.ranges, float),
@@ -36,4 +36,11 @@ def front_range_m(scan: RangeScan, config: Ros2DriverConfig) -> float | None:
 def is_sound(scan: LaserScan) -> bool:
     """Whether the scan's own numbers can be used at all."""
     numbers: Sequence[float] = (scan.angle_min, scan.angle_increment, scan.range_min, scan.range_max)
-    return bool(np.all(np.isfinite(numbers))) and bool(scan.ranges)
+    return bool(np.all(np.isfinite(numbers))) and bool(scan.ranges) and 0.0 <= scan.range_min < scan.range_max
+
+
+def is_blind(scan: LaserScan) -> bool:
+    """Whether every beam says 0 or no number: a scanner that is covered or broken. One that sees a wide floor says infinity
+    (REP 117), or something beyond its reach."""
+    ranges = np.asarray(scan.ranges, float)
+    return bool(np.all((ranges == 0.0) | np.isnan(ranges)))
