@@ -188,15 +188,15 @@ def status_document(**changes: Any) -> dict[str, Any]:
 
 
 @asynccontextmanager
-async def adapted(redis_url: str) -> AsyncGenerator[tuple[GpssService, Robot]]:
+async def adapted(redis_url: str, clock: SystemClock = CLOCK) -> AsyncGenerator[tuple[GpssService, Robot]]:
     """The adapter with one GPSS robot, in a system whose emergency stop was never engaged."""
     lab = gulliver()
     vehicles = tuple(
         vehicle.model_copy(update={"driver": "gpss-redis"}) if vehicle.id == ROBOT else vehicle
         for vehicle in lab.vehicles
     )
-    bus = Bus.connect(redis_url, CLOCK)
-    service = GpssService(lab.model_copy(update={"vehicles": vehicles}), bus, CLOCK)
+    bus = Bus.connect(redis_url, clock)
+    service = GpssService(lab.model_copy(update={"vehicles": vehicles}), bus, clock)
     tasks = [asyncio.ensure_future(part) for part in service.parts()]
     try:
         yield service, Robot(bus)
@@ -206,6 +206,36 @@ async def adapted(redis_url: str) -> AsyncGenerator[tuple[GpssService, Robot]]:
         results = await asyncio.gather(*tasks, return_exceptions=True)
         await bus.close()
         assert all(isinstance(result, asyncio.CancelledError) for result in results), results
+
+
+class _Late(SystemClock):
+    """What is written by this clock reaches Redis a fifth of a second late, as when Redis stalled."""
+
+    def now_ns(self) -> int:
+        return super().now_ns() - 200_000_000
+
+
+async def test_what_redis_gets_to_late_still_ends_when_it_says(redis_url: str) -> None:
+    late = _Late()
+    async with adapted(redis_url, late) as (_, robot):
+        ends: dict[Name, list[tuple[int, int]]] = {"command": [], "pose": []}
+
+        async def both() -> bool:
+            now_ns = late.now_ns()
+            await robot.bus.publish(COMMANDS, ROBOT, command(ROBOT, now_ns, now_ns // 1000))
+            await robot.bus.publish(POSES, ROBOT, pose(ROBOT, now_ns))
+            for name, found in ends.items():
+                pipeline = robot.client.pipeline(transaction=True)
+                pipeline.get(key(ROBOT, name)).pttl(key(ROBOT, name)).time()
+                data, left_ms, (seconds, microseconds) = await pipeline.execute()
+                if data is not None:
+                    document = json.loads(data)
+                    says = document.get("deadline", document["timestamp"] + round(POSES.stale_after_s * 1e3))
+                    found.append((seconds * 1000 + microseconds // 1000 + left_ms, says))
+            return all(ends.values())
+
+        await until(both)
+    assert all(abs(vanishes - says) <= 1 for found in ends.values() for vanishes, says in found)
 
 
 async def order(bus: Bus, sequence: int = 1, **changes: Any) -> Command:
