@@ -73,7 +73,7 @@ class GpssService:
         async for received in self._bus.subscribe(COMMANDS, EMERGENCY_STOP, POSES):
             message = received.message
             if isinstance(message, EmergencyStop):
-                self._stop(message)
+                self._changed(self._latch.announced(message))
             elif isinstance(message, Command):
                 orders = self._orders.get(message.robot)
                 if orders is not None and orders.offer(message, self._clock.now_ns()):
@@ -86,14 +86,17 @@ class GpssService:
         """Reads the latch itself now and then: where it never was engaged nobody says anything of it, and what cannot be read
         counts as engaged."""
         while True:
+            before = self._latch.emergency_stop
             try:
-                self._stop(await read_emergency_stop(self._store))
+                latch = await read_emergency_stop(self._store)
+                if self._latch.emergency_stop is before:  # else what was heard meanwhile may be newer than what was read
+                    self._changed(self._latch.stop(latch))
             except (RedisError, OSError) as error:
                 _logger.debug("cannot read the emergency stop: %s", error)
             await self._clock.sleep(_LATCH_EVERY_S)
 
-    def _stop(self, latch: EmergencyStop) -> None:
-        if self._latch.stop(latch):
+    def _changed(self, latch_changed: bool) -> None:
+        if latch_changed:
             for orders in self._orders.values():
                 orders.hurry()
             self._news.set()
