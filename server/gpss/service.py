@@ -89,7 +89,9 @@ class GpssService:
             before = self._latch.emergency_stop
             try:
                 latch = await read_emergency_stop(self._store)
-                if self._latch.emergency_stop is before:  # else what was heard meanwhile may be newer than what was read
+                if (
+                    self._latch.emergency_stop is before
+                ):  # else what was heard meanwhile may be newer than what was read
                     self._changed(self._latch.stop(latch))
             except (RedisError, OSError) as error:
                 _logger.debug("cannot read the emergency stop: %s", error)

@@ -87,7 +87,9 @@ def test_an_old_engagement_stops_with_an_epoch_after_the_newest_release() -> Non
     latch = EmergencyStopLatch()
     latch.update(EmergencyStop(engaged=False, epoch=6))
     latch.update(EmergencyStop(engaged=True, epoch=5))
-    assert (latch.engaged, latch.epoch) == (True, 7), "greater than the release's: who hears of it knows that it came after"
+    assert (latch.engaged, latch.epoch) == (True, 7), (
+        "greater than the release's: who hears of it knows that it came after"
+    )
     latch.update(EmergencyStop(engaged=True, epoch=5))
     assert latch.epoch == 7, "told again"
     for old in (6, 7):

@@ -270,9 +270,7 @@ async def test_an_announcement_of_before_the_release_engages_nothing(redis_url: 
         await _believed(robot, 2.0)
 
 
-async def test_an_answer_of_before_the_release_engages_nothing(
-    redis_url: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_an_answer_of_before_the_release_engages_nothing(redis_url: str, monkeypatch: pytest.MonkeyPatch) -> None:
     held, waiting, going_on = False, asyncio.Event(), asyncio.Event()
 
     async def slowly(source: Store) -> EmergencyStop:
