@@ -115,7 +115,11 @@ def test_the_gpss_robot_stands_when_its_program_ends(monkeypatch: pytest.MonkeyP
     monkeypatch.setenv("GPSS_REDIS", "redis://127.0.0.1:9")
     base = module.Base()
     driven: list[tuple[float, float]] = []
-    monkeypatch.setattr(base, "drive", lambda linear, angular: driven.append((linear, angular)))
+
+    def drive(linear: float, angular: float) -> None:
+        driven.append((linear, angular))
+
+    monkeypatch.setattr(base, "drive", drive)
     with pytest.raises(ValueError, match="no JSON"):
         module.main(base)
     assert driven == [(0.3, 0.0), (0.0, 0.0), (0.3, 0.0), (0.0, 0.0)]

@@ -176,7 +176,8 @@ async def test_a_damaged_record_keeps_no_other_robot_out(
     await RedisAccess(client, SystemClock()).keep()
     with logged_in(redis_url, user, password) as robot:
         assert robot.ping()
-    assert sorted(await client.execute_command("ACL", "USERS")) == [b"default", user.encode()]
+    names: Any = await client.execute_command("ACL", "USERS")
+    assert sorted(names) == [b"default", user.encode()]
     for name in harms:
         assert f"{name} is damaged" in caplog.text
 

@@ -229,7 +229,7 @@ async def test_what_redis_gets_to_late_still_ends_when_it_says(redis_url: str) -
             await robot.bus.publish(COMMANDS, ROBOT, command(ROBOT, now_ns, now_ns // 1000))
             await robot.bus.publish(POSES, ROBOT, pose(ROBOT, now_ns))
             for name, found in ends.items():
-                pipeline = robot.client.pipeline(transaction=True)
+                pipeline: Any = robot.client.pipeline(transaction=True)
                 pipeline.get(key(ROBOT, name)).pttl(key(ROBOT, name)).time()
                 data, left_ms, (seconds, microseconds) = await pipeline.execute()
                 if data is not None:
