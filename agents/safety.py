@@ -88,14 +88,16 @@ class EmergencyStopLatch:
 
     def update(self, event: EmergencyStop) -> bool:
         """Whether the event was taken. An engagement always is; a release only with a greater epoch than the engagement's,
-        so that one that was overtaken on the way releases nothing."""
+        so that one that was overtaken on the way releases nothing. An engagement whose sender's clock is slower than the last
+        release's counts as one after it, with a greater epoch: else no server would see it, and no release reach it."""
         known = self._state
         if known is not None and not event.engaged:
             newer = event.epoch > known.epoch if known.engaged else event.epoch >= known.epoch
             if not newer:
                 return False
-        if known is not None and event.epoch < known.epoch:
-            event = event.model_copy(update={"epoch": known.epoch})
+        if known is not None and event.engaged:
+            least = known.epoch if known.engaged else known.epoch + 1
+            event = event.model_copy(update={"epoch": max(event.epoch, least)})
         self._state = event
         return True
 

@@ -47,8 +47,7 @@ class Robot:
     """`step` it twenty times a second."""
 
     def __init__(self, name: str, client: redis.Redis, base: Base) -> None:
-        self.name, self.redis, self.base = name, client, base
-        self.obeyed, self.answered = -1, None
+        self.name, self.redis, self.base, self.obeyed, self.answered = name, client, base, -1, None
 
     def step(self) -> None:
         now = time.time_ns() // 1_000_000
@@ -75,8 +74,7 @@ class Robot:
             self.write("response", {**answer, "reached_timestamp": reached})
 
     def read(self, what: str) -> dict | None:
-        text = self.redis.get(f"gpss:{self.name}:{what}")
-        return None if text is None else json.loads(text)
+        return json.loads(self.redis.get(f"gpss:{self.name}:{what}") or "null")
 
     def write(self, what: str, document: dict) -> None:
         self.redis.set(f"gpss:{self.name}:{what}", json.dumps(document))
@@ -84,15 +82,17 @@ class Robot:
 
 def main(base: Base) -> None:
     at_once = Retry(NoBackoff(), 0)  # to fail at once: a call that tries again for seconds would let the base roll on
-    client = redis.Redis.from_url(os.environ["GPSS_REDIS"], socket_timeout=0.2, retry=at_once)
-    robot = Robot(sys.argv[1], client, base)
-    while True:
-        try:
-            robot.step()
-        except redis.RedisError as error:  # nobody can tell it to stop any more
-            base.drive(0.0, 0.0)
-            print(error, file=sys.stderr)
-        time.sleep(0.05)
+    robot = Robot(sys.argv[1], redis.Redis.from_url(os.environ["GPSS_REDIS"], socket_timeout=0.2, retry=at_once), base)
+    try:
+        while True:
+            try:
+                robot.step()
+            except redis.RedisError as error:  # nobody can tell it to stop any more
+                base.drive(0.0, 0.0)
+                print(error, file=sys.stderr)
+            time.sleep(0.05)
+    finally:
+        base.drive(0.0, 0.0)
 
 
 if __name__ == "__main__":

@@ -41,12 +41,16 @@ class Robot:
         """Every five seconds, or poses are no longer sent."""
         body = {"kind": "turtlebot", "udp_port": self.udp.getsockname()[1], "session": str(self.sequence)}
         while True:
-            self.server = self.api.post(f"/robots/{self.name}/registration", json=body).json()["robots_udp"]
+            answer = self.api.post(f"/robots/{self.name}/registration", json=body).raise_for_status().json()
+            # Looked up here: without a network that takes seconds, which the loop that drives does not have.
+            host = socket.gethostbyname(urlsplit(str(self.api.base_url)).hostname)
+            self.server = host, answer["robots_udp"]
             time.sleep(5)
 
     def follow(self) -> None:
         """Server-sent events: the emergency stop first, then commands; something at least every half second."""
         with self.api.stream("GET", f"/robots/{self.name}/commands", timeout=1.0) as stream:
+            stream.raise_for_status()
             kind = ""
             for line in stream.iter_lines():
                 name, _, value = line.partition(": ")
@@ -111,18 +115,17 @@ class Robot:
         status |= {"angular_radps": base.twist[1], "x": pose.get("x"), "y": pose.get("y"), "yaw": pose.get("yaw")}
         text, name = json.dumps(status).encode(), self.name.encode()
         body = HEADER.pack(b"LP", 1, STATUS, 1, len(name), self.sequence, now, len(text)) + name + text
-        host = urlsplit(str(self.api.base_url)).hostname
-        self.udp.sendto(body + hmac.digest(self.key, body, "sha256"), (host, self.server))
+        self.udp.sendto(body + hmac.digest(self.key, body, "sha256"), self.server)
 
 
 def for_ever(work: Callable[[], None]) -> None:
-    """Again after each failure: servers are restarted."""
+    """Again after each failure and each end: servers are restarted."""
     while True:
         try:
             work()
-        except (httpx.HTTPError, KeyError, ValueError) as error:
+        except (httpx.HTTPError, OSError, KeyError, ValueError) as error:
             print(repr(error), file=sys.stderr)
-            time.sleep(0.5)
+        time.sleep(0.5)
 
 
 def main(base: Base) -> None:
@@ -131,12 +134,16 @@ def main(base: Base) -> None:
     robot = Robot(sys.argv[1], api, bytes.fromhex(os.environ["LILLIPUT_UDP_KEY"]))
     for work in (robot.register, robot.follow):
         threading.Thread(target=for_ever, args=(work,), daemon=True).start()
-    while True:
-        with contextlib.suppress(TimeoutError, ValueError, struct.error):  # silence, or bytes of others
-            robot.hear()
-        base.drive(*robot.decide(base))
-        if hasattr(robot, "server"):
-            robot.report(base)
+    try:
+        while True:
+            with contextlib.suppress(OSError, ValueError, struct.error):  # silence, or bytes of others
+                robot.hear()
+            base.drive(*robot.decide(base))
+            if hasattr(robot, "server"):
+                with contextlib.suppress(OSError):  # no network: what comes in says when to stop
+                    robot.report(base)
+    finally:  # whatever ends this program, the base does not roll on
+        base.drive(0.0, 0.0)
 
 
 if __name__ == "__main__":

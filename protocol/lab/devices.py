@@ -20,6 +20,7 @@ from protocol.lab.base import (
 )
 from protocol.lab.control import ControlSpec
 from protocol.lab.protection import BatterySpec, ProtectiveFieldSpec, ScannerSpec
+from protocol.messages.fleet import ZoneOutline, ZoneSpeed
 
 
 class Area(LabModel):
@@ -200,8 +201,8 @@ class SpeedZoneSpec(LabModel):
     """A part of the floor (m, map frame) where robots drive no faster than `speed_mps`."""
 
     id: Identifier
-    outline: Outline
-    speed_mps: Positive
+    outline: ZoneOutline
+    speed_mps: ZoneSpeed
 
     @model_validator(mode="after")
     def _simple(self) -> Self:

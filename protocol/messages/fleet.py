@@ -21,6 +21,9 @@ from protocol.messages.base import (
 Order = tuple[Counted, Counted]
 """(epoch, sequence) of a command."""
 MOST_PATH_POINTS = 64
+ZoneOutline = Annotated[tuple[PointXY, ...], Field(min_length=3, max_length=64)]
+ZoneSpeed = Annotated[float, Field(strict=True, gt=0, le=10, allow_inf_nan=False)]
+"""Of speed zones, in the lab file too: what it may hold must be what goes to clients. Metres, m/s."""
 
 
 class Movement(StrEnum):
@@ -361,8 +364,8 @@ class SpeedZone(Message):
     )
 
     id: Identifier
-    outline: Annotated[tuple[PointXY, ...], Field(min_length=3, max_length=64)]
-    speed_mps: Annotated[float, Field(strict=True, gt=0, le=10, allow_inf_nan=False)]
+    outline: ZoneOutline
+    speed_mps: ZoneSpeed
 
 
 class Registration(Message):

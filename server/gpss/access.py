@@ -5,19 +5,21 @@ else is refused: other keys, KEYS, SCAN, CONFIG, EVAL, FLUSHALL, other topics. R
 allowed by the command's first argument.
 """
 
+import logging
 import re
 from typing import Any
 
 import redis.asyncio
-from redis.exceptions import RedisError
+from redis.exceptions import RedisError, ResponseError
 
 from protocol.clock import Clock, SystemClock
 from protocol.gpss import READ, WRITTEN, key, user_name
 from server.repositories.documents import Store
-from server.repositories.redis_users import RedisUserRecord, RedisUserRepository
+from server.repositories.redis_users import REDIS_USERS, RedisUserRecord, RedisUserRepository
 
 _USER = re.compile(r"^gpss-(?P<robot>[a-z0-9][a-z0-9_-]{0,31})$")
 _ACTOR = "launcher"
+_logger = logging.getLogger(__name__)
 
 
 def rules(robot: str) -> list[str]:
@@ -46,13 +48,21 @@ async def apply(client: redis.asyncio.Redis, record: RedisUserRecord) -> None:
 
 
 async def synchronize(client: redis.asyncio.Redis, records: dict[str, RedisUserRecord]) -> None:
-    """Makes Redis' users of robots be those of the records, no more and no less. Others' users are left alone."""
+    """Makes Redis' users of robots be those of the records, no more and no less. Others' users are left alone.
+
+    What Redis refuses of one record keeps no other robot out; it is logged."""
     for name in await _execute(client, "ACL", "USERS"):
         found = _USER.match(name.decode(errors="replace"))
         if found is not None and found["robot"] not in records:
             await _execute(client, "ACL", "DELUSER", name)
-    for record in records.values():
-        await apply(client, record)
+    for robot, record in records.items():
+        if record.robot != robot:
+            _logger.warning("%s: %s is damaged: it is of %s", REDIS_USERS.key, robot, record.robot)
+            continue
+        try:
+            await apply(client, record)
+        except ResponseError as error:
+            _logger.warning("Redis refuses the user of %s: %s", robot, error)
 
 
 async def issue_redis_user(

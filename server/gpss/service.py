@@ -73,7 +73,7 @@ class GpssService:
         async for received in self._bus.subscribe(COMMANDS, EMERGENCY_STOP, POSES):
             message = received.message
             if isinstance(message, EmergencyStop):
-                self._stop(message)
+                self._changed(self._latch.announced(message))
             elif isinstance(message, Command):
                 orders = self._orders.get(message.robot)
                 if orders is not None and orders.offer(message, self._clock.now_ns()):
@@ -86,14 +86,19 @@ class GpssService:
         """Reads the latch itself now and then: where it never was engaged nobody says anything of it, and what cannot be read
         counts as engaged."""
         while True:
+            before = self._latch.emergency_stop
             try:
-                self._stop(await read_emergency_stop(self._store))
+                latch = await read_emergency_stop(self._store)
+                if (
+                    self._latch.emergency_stop is before
+                ):  # else what was heard meanwhile may be newer than what was read
+                    self._changed(self._latch.stop(latch))
             except (RedisError, OSError) as error:
                 _logger.debug("cannot read the emergency stop: %s", error)
             await self._clock.sleep(_LATCH_EVERY_S)
 
-    def _stop(self, latch: EmergencyStop) -> None:
-        if self._latch.stop(latch):
+    def _changed(self, latch_changed: bool) -> None:
+        if latch_changed:
             for orders in self._orders.values():
                 orders.hurry()
             self._news.set()
@@ -113,21 +118,22 @@ class GpssService:
         now_ns, now_s = self._clock.now_ns(), self._clock.monotonic_s()
         now_ms = now_ns // _NS_PER_MS
         poses, self._poses = self._poses, {}
-        documents: list[tuple[str, GpssCommand | GpssPose, int]] = []
+        documents: list[tuple[str, GpssCommand | GpssPose, int]] = []  # each with the time at which it ends, ms
         for robot, orders in self._orders.items():
             command = orders.next(self._latch.emergency_stop, now_ns, now_s)
             if command is not None:
-                documents.append((key(robot, "command"), command, command.deadline - now_ms))
+                documents.append((key(robot, "command"), command, command.deadline))
         for robot, pose in poses.items():
             stamp_ms = pose.stamp_ns // _NS_PER_MS
             document = GpssPose(x=pose.x, y=pose.y, angle=pose.yaw, timestamp=stamp_ms)
-            documents.append((key(robot, "pose"), document, stamp_ms + _POSE_LIFETIME_MS - now_ms))
-        alive = [(name, encode(document), lives_ms) for name, document, lives_ms in documents if lives_ms > 0]
+            documents.append((key(robot, "pose"), document, stamp_ms + _POSE_LIFETIME_MS))
+        alive = [(name, encode(document), ends_ms) for name, document, ends_ms in documents if ends_ms > now_ms]
         if not alive:
             return
         pipeline = self._bus.redis.pipeline(transaction=True)
-        for name, data, lives_ms in alive:
-            pipeline.set(name, data, px=lives_ms)
+        for name, data, ends_ms in alive:
+            # Not a lifetime: that would begin when Redis gets to it, and a Redis that stalled gets to it late.
+            pipeline.set(name, data, pxat=ends_ms)
             pipeline.publish(name, data)
         try:
             await pipeline.execute()

@@ -29,12 +29,12 @@ _NS = 1_000_000_000
 class Guidance:
     """Guides the vehicles of a lab. Commands of an instance are ordered by their sequence, which never repeats."""
 
-    def __init__(self, lab: Lab, parameters: GuidanceParameters | None = None) -> None:
+    def __init__(self, lab: Lab, parameters: GuidanceParameters | None = None, *, said: int = 0) -> None:
         self._parameters = parameters or GuidanceParameters()
         self._vehicles = {vehicle.id: vehicle for vehicle in lab.vehicles}
         ground = Ground(lab.areas)
         self._robots = {name: RobotGuidance(spec, ground, self._parameters) for name, spec in self._vehicles.items()}
-        self._sequence = 0
+        self._sequence = said
         self._told: dict[str, tuple[ReasonCode, str | None, bool]] = {}
         self._since: dict[str, tuple[ReasonCode, int]] = {}
         self._dated_of: dict[str, tuple[View, View]] = {}
@@ -48,6 +48,11 @@ class Guidance:
         self._lab_zones = tuple(speed_zones_of(lab).values())
         self._limits = SpeedLimits(self._lab_zones, self._parameters)
         self._drawn_zones: Mapping[str, SpeedZone] = {}
+
+    @property
+    def sequence(self) -> int:
+        """Of the commands that were said last; another guidance that goes on from there takes it as `said`."""
+        return self._sequence
 
     def cycle(self, snapshot: Snapshot, epoch: int) -> Outcome:
         """One cycle at the snapshot's time, as the guidance of that epoch."""

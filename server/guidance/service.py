@@ -24,6 +24,7 @@ class GuidanceService:
     def __init__(self, lab: Lab, client: redis.asyncio.Redis, clock: Clock, parameters: GuidanceParameters) -> None:
         self._store = GuidanceStore(client, clock)
         self._clock = clock
+        self._lab, self._parameters = lab, parameters
         self._core = Guidance(lab, parameters)
         self._period_s = 1.0 / parameters.rate_hz
         self._epoch: int | None = None
@@ -76,6 +77,8 @@ class GuidanceService:
         if epoch is None:
             return False
         self._epoch = self._last_epoch = epoch
+        # What it remembers of robots is of before: another may have driven them on since.
+        self._core = Guidance(self._lab, self._parameters, said=self._core.sequence)
         _logger.info("active, epoch %d", epoch)
         news = Outcome(commands={}, states={}, changes=(), events=(takeover_event(epoch, snapshot.now_ns),))
         return await self._store.say(news, epoch)

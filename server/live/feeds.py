@@ -59,13 +59,15 @@ class CommandFeeds:
     def stop(self, stop: EmergencyStop) -> bool:
         """Whether what is known of the latch changed. What engages is believed; a release only with a greater epoch than
         the engagement's, as the robots hold it: one that was overtaken on the way releases nothing, and a clock that was
-        set back does not matter. The epoch that is known never shrinks."""
+        set back does not matter. The epoch that is known never shrinks, and an engagement after a release has a greater one
+        than that, as with the robots."""
         known = self.emergency_stop
         if known is not None:
             if not stop.engaged and (stop.epoch <= known.epoch if known.engaged else stop.epoch < known.epoch):
                 return False
-            if stop.epoch < known.epoch:
-                stop = stop.model_copy(update={"epoch": known.epoch})
+            least = known.epoch + 1 if stop.engaged and not known.engaged else known.epoch
+            if stop.epoch < least:
+                stop = stop.model_copy(update={"epoch": least})
             if stop == known:
                 return False
         self.emergency_stop = stop

@@ -4,11 +4,14 @@ Only the SHA-256 of each password is kept, as Redis does; the passwords are rand
 """
 
 import secrets
+from typing import Annotated
+
+from pydantic import Field
 
 from protocol import keys
 from protocol.clock import Clock
 from protocol.messages import Event, EventLevel
-from protocol.messages.base import Message, StampNs
+from protocol.messages.base import Identifier, Message, StampNs
 from server.errors import ConflictError, NotFoundError
 from server.repositories.documents import Documents, Store, Transaction
 from server.repositories.tokens import digest
@@ -17,8 +20,8 @@ from server.repositories.tokens import digest
 class RedisUserRecord(Message):
     """A robot's Redis user."""
 
-    robot: str
-    password_sha256: str
+    robot: Identifier
+    password_sha256: Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")]
     created_ns: StampNs
     created_by: str
 

@@ -83,14 +83,19 @@ def test_the_latch_is_released_by_a_newer_release_only() -> None:
     assert latch.forbids() is None
 
 
-def test_an_old_engagement_stops_and_keeps_the_newest_epoch() -> None:
+def test_an_old_engagement_stops_with_an_epoch_after_the_newest_release() -> None:
     latch = EmergencyStopLatch()
     latch.update(EmergencyStop(engaged=False, epoch=6))
     latch.update(EmergencyStop(engaged=True, epoch=5))
-    assert latch.engaged
-    latch.update(EmergencyStop(engaged=False, epoch=6))
-    assert latch.engaged, "a release from before that engagement was heard"
-    latch.update(EmergencyStop(engaged=False, epoch=7))
+    assert (latch.engaged, latch.epoch) == (True, 7), (
+        "greater than the release's: who hears of it knows that it came after"
+    )
+    latch.update(EmergencyStop(engaged=True, epoch=5))
+    assert latch.epoch == 7, "told again"
+    for old in (6, 7):
+        latch.update(EmergencyStop(engaged=False, epoch=old))
+        assert latch.engaged, "a release from before that engagement was heard"
+    latch.update(EmergencyStop(engaged=False, epoch=8))
     assert not latch.engaged
 
 
@@ -203,6 +208,8 @@ class PilotStateMachine(RuleBasedStateMachine):
     def emergency_stop(self, engaged: bool, newer: bool) -> None:
         self.estop_epoch += newer
         self.pilot.emergency_stop(EmergencyStop(engaged=engaged, epoch=self.estop_epoch))
+        if engaged and self.engaged is False and not newer:
+            self.estop_epoch += 1  # whatever its sender's clock says, it came after the release
         if engaged or not self.engaged or newer:
             self.engaged = engaged
 

@@ -1,5 +1,6 @@
 """The lab file: the shipped one loads, and every mistake is named with the line that it stands on."""
 
+import math
 from pathlib import Path
 
 import pytest
@@ -51,6 +52,13 @@ simulation:
     cam0: {position: [1, 1, 3]}
     cam1: {position: [3, 1, 3]}
 """
+
+
+def speed_zone(corners: int, speed_mps: float, radius_m: float = 1.0) -> str:
+    """The lab file's section with one zone, a regular polygon, and the line after it."""
+    turns = [math.tau * corner / corners for corner in range(corners)]
+    outline = ", ".join(f"[{radius_m * math.cos(turn)}, {radius_m * math.sin(turn)}]" for turn in turns)
+    return f"speed_zones:\n  - id: bend\n    outline: [{outline}]\n    speed_mps: {speed_mps}\nsimulation:"
 
 
 def problems_of(text: str) -> list[tuple[int, str, str]]:
@@ -144,6 +152,9 @@ def test_merge_keys_and_defaults() -> None:
         ("family: tag36h11", "family: tag16h5", "tag16h5", "floor_tags.family", "tag36h11"),
         ("simulation:", "ports: {http: 8000, scene: 8000}\nsimulation:", "ports", "ports", "cannot share port 8000"),
         ("simulation:", "ports: {http: 0}\nsimulation:", "ports", "ports.http", "greater than 0"),
+        ("simulation:", speed_zone(64, 10.1), "speed_mps", "speed_zones[0].speed_mps", "less than or equal to 10"),
+        ("simulation:", speed_zone(65, 0.2), "outline: [[1.0", "speed_zones[0].outline", "at most 64"),
+        ("simulation:", speed_zone(3, 0.2, 1e10), "outline: [[10000000000.0", "speed_zones[0].outline", "1000000000"),
     ],
 )
 def test_a_mistake_is_named_with_its_line(old: str, new: str, at: str, where: str, what: str) -> None:

@@ -284,15 +284,24 @@ async def _without_redis_errors(condition: Callable[[], Awaitable[bool]]) -> boo
         return False
 
 
-async def test_a_stop_that_robots_heard_by_broadcast_becomes_everybodys_and_can_be_released(redis_url: str) -> None:
-    """A sender whose clock is ahead gave it a greater epoch than this server's clock would."""
+@pytest.mark.parametrize("off_ms", [20_000, -20_000])
+async def test_a_stop_that_robots_heard_by_broadcast_becomes_everybodys_and_can_be_released(
+    redis_url: str, off_ms: int
+) -> None:
+    """A sender whose clock is ahead gave it a greater epoch than this server's clock would, one whose clock is behind a
+    smaller one than the last release has."""
     async with in_process(redis_url) as service:
         operator, robot, clock = service.http("operator"), EmergencyStopLatch(), SystemClock()
         context = service.context
         await until(lambda: context.hub.feeds.emergency_stop is not None)
-        robot.update(EmergencyStop(engaged=False, epoch=context.hub.feeds.epoch))
-        epoch = clock.now_ns() // 1_000_000 + 20_000
-        robot.update(EmergencyStop(engaged=True, epoch=epoch))
+        await operator.post("/api/estop", json={"reason": "drill"})
+        before = EmergencyStop.model_validate(
+            (await operator.request("DELETE", "/api/estop", json={"confirm": True})).json()
+        )
+        await until(lambda: context.hub.feeds.emergency_stop == before)
+        robot.update(before)
+        robot.update(EmergencyStop(engaged=True, epoch=clock.now_ns() // 1_000_000 + off_ms))
+        epoch = robot.epoch
 
         async def report() -> None:
             status = Status(

@@ -9,11 +9,14 @@ import redis
 import redis.asyncio
 from redis import exceptions
 
+from protocol import keys
 from protocol.bus import Bus
 from protocol.clock import SystemClock
+from protocol.codec import decode
 from protocol.gpss import READ, WRITTEN, key
 from server.errors import ConflictError, NotFoundError
-from server.gpss.access import RedisAccess, issue_redis_user, revoke_redis_user
+from server.gpss.access import RedisAccess, issue_redis_user, revoke_redis_user, synchronize
+from server.repositories.redis_users import RedisUserRecord
 from tests.redis_fixture import RedisServer
 
 ROBOT, OTHER = "agv-1", "agv-10"
@@ -154,3 +157,40 @@ async def test_a_redis_that_was_started_again_is_told_its_users(
     await access.keep()
     names: Any = await client.execute_command("ACL", "USERS")
     assert sorted(names) == [b"default", b"gpss-agv-1", b"somebody"]
+
+
+async def test_a_damaged_record_keeps_no_other_robot_out(
+    client: redis.asyncio.Redis, redis_url: str, caplog: pytest.LogCaptureFixture
+) -> None:
+    user, password = await issue(client)
+    (raw,) = (await client.hgetall(keys.REDIS_USERS)).values()  # pyright: ignore[reportGeneralTypeIssues]
+    record = decode(RedisUserRecord, raw)
+    harms: dict[str, dict[str, str]] = {
+        "agv-0": {"robot": "agv-0", "password_sha256": "no digest"},
+        "agv-00": {"robot": "* ~lilliput:*"},
+        "agv-01": {"robot": ROBOT, "password_sha256": "0" * 64},
+    }
+    for name, harm in harms.items():
+        await client.hset(keys.REDIS_USERS, name, record.model_copy(update=harm).model_dump_json())  # pyright: ignore[reportGeneralTypeIssues]
+    await client.execute_command("ACL", "DELUSER", user)
+    await RedisAccess(client, SystemClock()).keep()
+    with logged_in(redis_url, user, password) as robot:
+        assert robot.ping()
+    names: Any = await client.execute_command("ACL", "USERS")
+    assert sorted(names) == [b"default", user.encode()]
+    for name in harms:
+        assert f"{name} is damaged" in caplog.text
+
+
+async def test_what_redis_refuses_of_one_record_keeps_no_other_robot_out(
+    client: redis.asyncio.Redis, redis_url: str, caplog: pytest.LogCaptureFixture
+) -> None:
+    user, password = await issue(client)
+    (raw,) = (await client.hgetall(keys.REDIS_USERS)).values()  # pyright: ignore[reportGeneralTypeIssues]
+    record = decode(RedisUserRecord, raw)
+    refused = record.model_copy(update={"robot": "agv-0", "password_sha256": "no digest"})
+    await client.execute_command("ACL", "DELUSER", user)
+    await synchronize(client, {"agv-0": refused, ROBOT: record})
+    assert "Redis refuses the user of agv-0" in caplog.text
+    with logged_in(redis_url, user, password) as robot:
+        assert robot.ping()

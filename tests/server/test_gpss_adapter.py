@@ -9,13 +9,17 @@ from typing import Any, cast
 import pytest
 import redis.asyncio
 
+from protocol import keys
 from protocol.bus import Bus
 from protocol.channels import COMMANDS, EMERGENCY_STOP, EVENTS, LAB_INSTANCE, POSES, RESPONSES, STATUSES
 from protocol.clock import SystemClock
+from protocol.codec import encode
 from protocol.gpss import GpssCommand, Name, key
 from protocol.messages import Command, EmergencyStop, Mode, Movement, Outcome, Response, Status, Target
 from server.gpss.orders import LIFETIME_MS, RobotOrders
 from server.gpss.service import GpssService
+from server.repositories.documents import Store
+from server.repositories.emergency_stop import read_emergency_stop
 from tests.redis_fixture import RedisServer
 from tests.server.samples import START_NS, command, pose
 from tests.server.service import ROBOT, gulliver, until
@@ -188,15 +192,15 @@ def status_document(**changes: Any) -> dict[str, Any]:
 
 
 @asynccontextmanager
-async def adapted(redis_url: str) -> AsyncGenerator[tuple[GpssService, Robot]]:
+async def adapted(redis_url: str, clock: SystemClock = CLOCK) -> AsyncGenerator[tuple[GpssService, Robot]]:
     """The adapter with one GPSS robot, in a system whose emergency stop was never engaged."""
     lab = gulliver()
     vehicles = tuple(
         vehicle.model_copy(update={"driver": "gpss-redis"}) if vehicle.id == ROBOT else vehicle
         for vehicle in lab.vehicles
     )
-    bus = Bus.connect(redis_url, CLOCK)
-    service = GpssService(lab.model_copy(update={"vehicles": vehicles}), bus, CLOCK)
+    bus = Bus.connect(redis_url, clock)
+    service = GpssService(lab.model_copy(update={"vehicles": vehicles}), bus, clock)
     tasks = [asyncio.ensure_future(part) for part in service.parts()]
     try:
         yield service, Robot(bus)
@@ -206,6 +210,87 @@ async def adapted(redis_url: str) -> AsyncGenerator[tuple[GpssService, Robot]]:
         results = await asyncio.gather(*tasks, return_exceptions=True)
         await bus.close()
         assert all(isinstance(result, asyncio.CancelledError) for result in results), results
+
+
+class _Late(SystemClock):
+    """What is written by this clock reaches Redis a fifth of a second late, as when Redis stalled."""
+
+    def now_ns(self) -> int:
+        return super().now_ns() - 200_000_000
+
+
+async def test_what_redis_gets_to_late_still_ends_when_it_says(redis_url: str) -> None:
+    late = _Late()
+    async with adapted(redis_url, late) as (_, robot):
+        ends: dict[Name, list[tuple[int, int]]] = {"command": [], "pose": []}
+
+        async def both() -> bool:
+            now_ns = late.now_ns()
+            await robot.bus.publish(COMMANDS, ROBOT, command(ROBOT, now_ns, now_ns // 1000))
+            await robot.bus.publish(POSES, ROBOT, pose(ROBOT, now_ns))
+            for name, found in ends.items():
+                pipeline: Any = robot.client.pipeline(transaction=True)
+                pipeline.get(key(ROBOT, name)).pttl(key(ROBOT, name)).time()
+                data, left_ms, (seconds, microseconds) = await pipeline.execute()
+                if data is not None:
+                    document = json.loads(data)
+                    says = document.get("deadline", document["timestamp"] + round(POSES.stale_after_s * 1e3))
+                    found.append((seconds * 1000 + microseconds // 1000 + left_ms, says))
+            return all(ends.values())
+
+        await until(both)
+    assert all(abs(vanishes - says) <= 1 for found in ends.values() for vanishes, says in found)
+
+
+async def _believed(robot: Robot, x: float) -> None:
+    """Returns when everything that was announced before has been taken in, and the robot may drive."""
+
+    async def passed_on() -> bool:
+        await robot.bus.publish(POSES, ROBOT, pose(ROBOT, CLOCK.now_ns(), x))
+        where = await robot.read("pose")
+        return where is not None and where["x"] == x
+
+    await until(passed_on)
+    since_ms = now_ms()
+
+    async def drives() -> bool:
+        await order(robot.bus, CLOCK.now_ns() // 1000)
+        document = await robot.command()
+        return document is not None and document["command"] == "MoveTo" and document["timestamp"] > since_ms
+
+    await until(drives)
+
+
+async def test_an_announcement_of_before_the_release_engages_nothing(redis_url: str) -> None:
+    released = FREE.model_copy(update={"epoch": 3})
+    async with adapted(redis_url) as (_, robot):
+        await robot.client.hset(keys.live(EMERGENCY_STOP.name), LAB_INSTANCE, encode(released))  # pyright: ignore[reportGeneralTypeIssues]
+        await _believed(robot, 1.0)  # it has read of the release
+        await robot.client.publish(keys.topic(EMERGENCY_STOP.name, LAB_INSTANCE), encode(ENGAGED))
+        await _believed(robot, 2.0)
+
+
+async def test_an_answer_of_before_the_release_engages_nothing(redis_url: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    held, waiting, going_on = False, asyncio.Event(), asyncio.Event()
+
+    async def slowly(source: Store) -> EmergencyStop:
+        latch = await read_emergency_stop(source)
+        if held:
+            waiting.set()
+            await going_on.wait()
+        return latch
+
+    monkeypatch.setattr("server.gpss.service.read_emergency_stop", slowly)
+    async with adapted(redis_url) as (_, robot):
+        await robot.bus.publish(EMERGENCY_STOP, LAB_INSTANCE, ENGAGED)
+        await commanded(robot, "Waiting")
+        held = True
+        await waiting.wait()
+        await robot.bus.publish(EMERGENCY_STOP, LAB_INSTANCE, FREE.model_copy(update={"epoch": 3}))
+        await _believed(robot, 1.0)
+        held = False
+        going_on.set()
+        await _believed(robot, 2.0)
 
 
 async def order(bus: Bus, sequence: int = 1, **changes: Any) -> Command:

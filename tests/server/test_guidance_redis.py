@@ -67,11 +67,11 @@ async def assigned(bus: Bus) -> Assignment:
     return decode(Assignment, raw)
 
 
-async def keep_seen(bus: Bus) -> None:
-    """A robot that stands at (1, 1), seen and heard, on an empty floor."""
+async def keep_seen(bus: Bus, x: Callable[[], float] = lambda: 1.0) -> None:
+    """A robot that stands at (x, 1), seen and heard, on an empty floor."""
     while True:
         now_ns = time.time_ns()
-        await bus.publish(POSES, ROBOT, tracked(ROBOT, 1.0, 1.0, stamp_ns=now_ns))
+        await bus.publish(POSES, ROBOT, tracked(ROBOT, x(), 1.0, stamp_ns=now_ns))
         await bus.publish(STATUSES, ROBOT, status(ROBOT, now_ns))
         await bus.publish(OBSTACLES, LAB_INSTANCE, raster(stamp_ns=now_ns))
         await asyncio.sleep(0.05)
@@ -414,6 +414,48 @@ async def test_one_that_was_held_up_says_nothing_any_more_and_stands_by(
             return heard[-1].epoch > new_epoch
 
         assert await until(back) < 2.0
+
+
+async def test_one_that_gets_the_lease_back_remembers_nothing_of_before(bus: Bus) -> None:
+    """Meanwhile the robot was driven elsewhere: not through the waypoint that lies between there and here."""
+    course, x = Course([(2.0, 1.0), (4.0, 1.0)]), 1.0
+    for name, waypoint in course.waypoints().items():
+        await bus.redis.hset(keys.WAYPOINTS, name, encode(waypoint))  # pyright: ignore[reportGeneralTypeIssues]
+    await bus.redis.hset(keys.ROUTES, "r", encode(course.routes()["r"]))  # pyright: ignore[reportGeneralTypeIssues]
+    await bus.redis.hset(keys.ASSIGNMENTS, ROBOT, encode(assignment()))  # pyright: ignore[reportGeneralTypeIssues]
+    guidance, heard = service(bus), list[Command]()
+
+    async def listen() -> None:
+        async for item in bus.subscribe(COMMANDS, instance=ROBOT):
+            heard.append(item.message)
+
+    async def drives() -> bool:
+        return bool(heard) and heard[-1].movement is Movement.MOVE_TO
+
+    async with running(listen), running(lambda: keep_seen(bus, lambda: x)), running(guidance.run):
+        await until(drives)
+        await bus.redis.set(keys.GUIDANCE_LEASE, "another's")
+
+        async def stands_by() -> bool:
+            return guidance.epoch is None
+
+        await until(stands_by)
+        so_far, x = len(heard), 3.0
+
+        async def elsewhere() -> bool:
+            seen = await bus.latest(POSES, ROBOT)
+            return seen is not None and seen.x == x
+
+        await until(elsewhere)
+        await bus.redis.delete(keys.GUIDANCE_LEASE)
+
+        async def on_again() -> bool:
+            return len(heard) > so_far + 3 and heard[-1].movement is Movement.MOVE_TO
+
+        await until(on_again)
+        assert (await assigned(bus)).leg == 0
+    assert [said.order for said in heard] == sorted({said.order for said in heard})
+    assert heard[so_far].sequence > heard[so_far - 1].sequence
 
 
 async def test_the_next_of_the_queue_begins_and_the_speed_zones_drawn_count(bus: Bus) -> None:

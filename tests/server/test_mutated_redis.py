@@ -21,7 +21,7 @@ from localization.tracker import TrackerService
 from mapping.mapper import Mapper
 from protocol import keys
 from protocol.bus import Bus
-from protocol.channels import CHANNELS, COMMANDS, Channel, Delivery
+from protocol.channels import CHANNELS, COMMANDS, EMERGENCY_STOP, LAB_INSTANCE, Channel, Delivery
 from protocol.clock import SystemClock
 from protocol.codec import decode, encode
 from protocol.errors import DecodeError
@@ -31,6 +31,7 @@ from protocol.messages import (
     Assignment,
     AssignmentState,
     Command,
+    EmergencyStop,
     Event,
     EventLevel,
     GroundTruth,
@@ -44,12 +45,14 @@ from protocol.messages import (
     RobotSettings,
     Route,
     SimulatedObject,
+    SpeedZone,
     Waypoint,
 )
 from protocol.settings import Settings
 from server.gpss.service import GpssService
 from server.guidance.parameters import GuidanceParameters
 from server.guidance.service import GuidanceService
+from server.repositories.redis_users import RedisUserRecord
 from tests.mutations import mutated
 from tests.server.samples import camera_state, command, extrinsics, pose, raster, status
 from tests.server.service import ROBOT, Service, gulliver, in_process, until
@@ -59,7 +62,7 @@ CLOCK = SystemClock()
 GPSS_ROBOT = "wifibot-15"
 PATHS = (
     *("/lab", "/health", "/robots", f"/robots/{ROBOT}", "/waypoints", "/routes", "/estop", "/cameras", "/sim/objects"),
-    *("/events", "/calibration", f"/robots/{ROBOT}/responses", "/users", "/tokens"),
+    *("/speed-zones", "/events", "/calibration", f"/robots/{ROBOT}/responses", "/users", "/tokens"),
 )
 NAMES = (ROBOT.encode(), GPSS_ROBOT.encode(), b"nobody", b"", b"\xff\xfe", b"a:b:c", b"x" * 500)
 """Instances and ids, right and wrong ones."""
@@ -94,6 +97,7 @@ def samples() -> dict[str, bytes]:
         "obstacles": raster(now),
         "ground_truth": GroundTruth(now, {}, 0),
         "processes": ProcessState(name="lab", state="running", pid=1, restarts=0, since_ns=now, stamp_ns=now),
+        "emergency_stop": EmergencyStop(engaged=True, epoch=now // 1_000_000, stamp_ns=now, by="x", reason="y"),
         "events": Event(stamp_ns=now, level=EventLevel.INFO, source="x", kind="y", text="z"),
         keys.WAYPOINTS: waypoint,
         keys.ROUTES: route,
@@ -101,6 +105,8 @@ def samples() -> dict[str, bytes]:
         keys.ROBOT_SETTINGS: RobotSettings(box_length_m=1.0),
         keys.EXTRINSICS: extrinsics("cam0"),
         keys.SIMULATED_OBJECTS: SimulatedObject(id="p", kind="pallet", x=1.0, y=1.0),
+        keys.SPEED_ZONES: SpeedZone(id="z", outline=((5.0, 1.0), (6.0, 1.0), (6.0, 2.0)), speed_mps=0.2),
+        keys.REDIS_USERS: RedisUserRecord(robot=ROBOT, password_sha256="0" * 64, created_ns=now, created_by="x"),
     }
     return {name: encode(message) for name, message in found.items()}
 
@@ -176,7 +182,7 @@ async def commanded(system: Running) -> Command:
 async def everything(system: Running) -> dict[str, Any]:
     """What the API shows that does not change by itself."""
     client, shown = system.service.http("admin"), dict[str, Any]()
-    for path in ("/waypoints", "/routes", "/estop", "/sim/objects", "/users", "/lab"):
+    for path in ("/waypoints", "/routes", "/speed-zones", "/estop", "/sim/objects", "/users", "/lab"):
         shown[path] = (await client.get(f"/api{path}")).raise_for_status().json()
     robot = (await client.get(f"/api/robots/{ROBOT}")).raise_for_status().json()
     shown["robot"] = {name: robot[name] for name in ("assignment", "settings", "obstacle_box", "state", "reason")}
@@ -205,7 +211,10 @@ async def test_what_does_not_decode_changes_nothing(redis_url: str, tmp_path: An
                 topic = keys.topic(channel.name, "").encode() + name
                 await system.redis.publish(topic, data)  # pyright: ignore[reportArgumentType]
             durable = rng.choice(
-                (keys.WAYPOINTS, keys.ROUTES, keys.ASSIGNMENTS, keys.SIMULATED_OBJECTS, keys.EXTRINSICS)
+                (
+                    *(keys.WAYPOINTS, keys.ROUTES, keys.ASSIGNMENTS, keys.SIMULATED_OBJECTS, keys.EXTRINSICS),
+                    *(keys.SPEED_ZONES, keys.REDIS_USERS),
+                )
             )
             other = rng.choice((b"fuzz", b"\xff\xfe", b"", b"x" * 500))
             await system.redis.hset(durable, other, mutated(good[durable], rng)[:-1])  # pyright: ignore[reportGeneralTypeIssues, reportArgumentType]
@@ -230,8 +239,11 @@ async def test_whatever_stands_in_redis_nobody_ends_and_all_is_well_when_it_is_r
             if rng.random() < 0.6:
                 channel = rng.choice(live)
                 data, name = mutated(good[channel.name], rng), rng.choice(NAMES)
+                heard = ROBOT
+                if channel is EMERGENCY_STOP:
+                    name, heard = LAB_INSTANCE.encode(), LAB_INSTANCE
                 await system.redis.hset(keys.live(channel.name), name, data)  # pyright: ignore[reportGeneralTypeIssues, reportArgumentType]
-                await system.redis.publish(keys.topic(channel.name, ROBOT), data)
+                await system.redis.publish(keys.topic(channel.name, heard), data)
             elif rng.random() < 0.5:
                 hash_key = rng.choice(durable)
                 await system.redis.hset(hash_key, _id(hash_key), mutated(good[hash_key], rng))  # pyright: ignore[reportGeneralTypeIssues, reportArgumentType]
@@ -247,6 +259,8 @@ async def test_whatever_stands_in_redis_nobody_ends_and_all_is_well_when_it_is_r
                 await _answers(system)
         await system.redis.delete(*(keys.live(channel.name) for channel in live), *durable)
         await _prepare(system, good)
+        released = await system.service.http("admin").request("DELETE", "/api/estop", json={"confirm": True})
+        assert released.status_code == 200, released.text
 
         seen: dict[str, Any] = {}
 
@@ -254,6 +268,9 @@ async def test_whatever_stands_in_redis_nobody_ends_and_all_is_well_when_it_is_r
             seen.update(await everything(system))
             # Of the robot it was really heard something meanwhile, however little sense it made.
             seen["robot"] |= {name: before["robot"][name] for name in ("state", "reason")}
+            movement, target, reason = seen["command"]
+            seen["command"] = movement, target, reason.model_copy(update={"since_ns": before["command"][2].since_ns})
+            seen["/estop"] = {**before["/estop"], "engaged": seen["/estop"]["engaged"]}
             return seen == before
 
         try:
@@ -264,9 +281,13 @@ async def test_whatever_stands_in_redis_nobody_ends_and_all_is_well_when_it_is_r
 
 
 def _id(hash_key: str) -> str:
-    return {keys.WAYPOINTS: "a", keys.ROUTES: "r", keys.SIMULATED_OBJECTS: "p", keys.EXTRINSICS: "cam0"}.get(
-        hash_key, ROBOT
-    )
+    return {
+        keys.WAYPOINTS: "a",
+        keys.ROUTES: "r",
+        keys.SIMULATED_OBJECTS: "p",
+        keys.EXTRINSICS: "cam0",
+        keys.SPEED_ZONES: "z",
+    }.get(hash_key, ROBOT)
 
 
 async def _prepare(system: Running, good: dict[str, bytes]) -> None:

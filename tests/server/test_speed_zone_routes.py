@@ -1,16 +1,27 @@
 """Zones with a speed limit through the API: what is refused, and that the lab's own stay as they are."""
 
+import math
 from collections.abc import AsyncGenerator
 from typing import Any
 
 import pytest
 
 from protocol.lab import SpeedZoneSpec
+from server.repositories.speed_zones import speed_zones_of
 from tests.server.service import Service, gulliver, in_process
 
 OUTLINE = [[3.0, 1.0], [4.0, 1.0], [4.0, 2.0], [3.0, 2.0]]
 ZONE = {"id": "doorway", "outline": OUTLINE, "speed_mps": 0.2}
 FIXED = SpeedZoneSpec(id="ramp", outline=((0.0, 0.0), (1.0, 0.0), (1.0, 1.0)), speed_mps=0.1)
+
+
+def test_every_zone_that_a_lab_file_may_have_can_be_shown() -> None:
+    turns = [math.tau * corner / 64 for corner in range(64)]
+    widest = SpeedZoneSpec(
+        id="bend", outline=tuple((1e9 * math.cos(turn), 1e9 * math.sin(turn)) for turn in turns), speed_mps=10.0
+    )
+    (shown,) = speed_zones_of(gulliver().model_copy(update={"speed_zones": (widest,)})).values()
+    assert (shown.id, shown.outline, shown.speed_mps) == ("bend", widest.outline, 10.0)
 
 
 @pytest.fixture
