@@ -27,7 +27,7 @@ from enum import IntEnum, StrEnum
 from functools import lru_cache
 from hashlib import sha256
 from types import MappingProxyType
-from typing import TYPE_CHECKING
+from typing import Any
 
 from msgspec import Struct
 from pydantic import BaseModel
@@ -35,9 +35,6 @@ from pydantic import BaseModel
 from protocol.codec import decode, encode
 from protocol.errors import DecodeError
 from protocol.messages import DriveSetpoint, EmergencyStop, Odometry, Scan, Status, TrackedPose
-
-if TYPE_CHECKING:
-    from hashlib import _Hash
 
 MAGIC = b"LP"
 VERSION = 1
@@ -115,7 +112,7 @@ def pack_payload(
 def unpack(
     data: bytes,
     key: bytes | None = None,
-    readers: Mapping[int, Callable[[bytes], Struct | None]] = MappingProxyType({}),
+    readers: Mapping[Kind, Callable[[bytes], Struct | None]] = MappingProxyType({}),
 ) -> Datagram:
     """The datagram in `data`. DecodeError when it is short, of another layout, forged, or unsigned although a key is set;
     a signature is not looked at where no key is configured. Payloads of some kinds may have quicker `readers`: what such a one
@@ -150,7 +147,7 @@ def unpack(
     if not sender:
         raise DecodeError("datagram without a sender")
     payload = data[_HEADER.size + sender_size : body_size]
-    reader = readers.get(kind_number)
+    reader = readers.get(Kind(kind_number))
     message = reader(payload) if reader is not None else None
     return Datagram(sender, sequence, stamp_ns, message or decode(message_type, payload), payload)
 
@@ -165,7 +162,7 @@ def _signature(key: bytes, body: bytes) -> bytes:
 
 
 @lru_cache(maxsize=16)
-def _begun(key: bytes) -> "tuple[_Hash, _Hash]":
+def _begun(key: bytes) -> tuple[Any, Any]:
     """The inner and the outer hash after the key's own block: made once for each key, else they are most of what a signature
     costs."""
     block = (key if len(key) <= _BLOCK else sha256(key).digest()).ljust(_BLOCK, b"\0")

@@ -45,8 +45,9 @@ class _LeavableConnection(AbstractConnection):
         if len(args) < _LONG:
             return super().pack_command(*args)
         name = args[0].encode() if isinstance(args[0], str) else args[0]
+        words: Any = (*name.split(), *args[1:])  # hiredis' stub speaks of one argument
         try:
-            return [pack_command((*name.split(), *args[1:]))]
+            return [pack_command(words)]
         except TypeError:  # of a kind that only redis-py's own encoder can tell what to do with
             return super().pack_command(*args)
 

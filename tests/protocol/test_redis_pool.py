@@ -2,6 +2,7 @@
 
 import asyncio
 import time
+from typing import Any
 
 import pytest
 import redis.asyncio
@@ -52,7 +53,7 @@ async def test_patience_has_an_end(redis_server: RedisServer) -> None:
 
 async def test_long_commands_arrive_as_short_ones_do(redis_url: str) -> None:
     client = redis.asyncio.Redis.from_pool(PatientPool.from_url(redis_url))
-    entries = {
+    entries: dict[Any, Any] = {
         f"name {number} ü": value for number, value in enumerate([b"\x00\r\n", "ü", 7, -0.5, b"x" * 20_000] * 10)
     }
     await client.hset("long", mapping=entries)  # pyright: ignore[reportGeneralTypeIssues]  # typed for both clients
