@@ -41,6 +41,8 @@ _HORIZON_M = 6.0
 _ROOM_M = 4.0
 """How far along the route, and beside it, floor is looked at."""
 _MOST_LEGS = 3
+_TURN_BESIDE_M = 0.2
+"""What stays free around the floor that a long robot sweeps at a bend. It turns there slowly, up to `PASSED_M` from the bend."""
 _OFF_ROUTE = 1.5
 """What a metre off the route costs, one on it costing 1: so a way comes back soon, not only at the leg's end."""
 
@@ -161,7 +163,7 @@ def way_aside(
 
 def _may_turn(blocked: Blocked, detours: dict[int, Detour], floor: Floor, parameters: GuidanceParameters) -> bool:
     """Whether nothing stands on the floor that the robot sweeps where it turns on the spot: before it starts, and at every
-    bend, or as far from that as a piece counts as driven."""
+    bend with `_TURN_BESIDE_M` around it."""
     own = footprint_at(blocked.pose, blocked.spec).buffer(parameters.own_margin_m)
     front_m = Body.of(blocked.spec).front_m
     heading = blocked.pose.yaw
@@ -171,7 +173,7 @@ def _may_turn(blocked: Blocked, detours: dict[int, Detour], floor: Floor, parame
             if abs(turn_rad) > LITTLE_RAD:
                 sweep = swept_by_turning(SE2(*start, heading), turn_rad, blocked.spec)
                 if start != blocked.here:
-                    sweep = Box(sweep.area.buffer(PASSED_M), sweep.line)
+                    sweep = Box(sweep.area.buffer(_TURN_BESIDE_M), sweep.line)
                 if nearest_blockage(blocked.spec.id, sweep, own, front_m, floor.grid, floor.robots) is not None:
                     return False
             heading = bearing(start, end)
