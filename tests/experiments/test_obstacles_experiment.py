@@ -105,7 +105,7 @@ def test_a_way_is_where_the_body_and_its_clearance_fit(
 def test_pallets_are_left_behind_in_rows_across_the_path_away_from_the_robot() -> None:
     floor = Polygon(LAB.areas[0].outline)
     counts: set[int] = set()
-    for seed in range(30):
+    for seed in range(40):
         scene = draw_scene(LAB, seed)
         if scene.kind != "pallet":
             continue
