@@ -4,15 +4,14 @@ A client that takes nothing for ten seconds is cut off by the kernel (TCP_USER_T
 freed; small send buffers keep "the newest" new for slow ones.
 """
 
-import asyncio
 import resource
 import socket
 from contextlib import suppress
 
 import uvicorn
-import uvloop
 from fastapi import FastAPI
 
+from protocol import lifetime
 from server.context import Context
 from server.direct_writes import DirectWriteProtocol
 
@@ -39,8 +38,7 @@ def run(serving: Server, console: socket.socket) -> None:
     """Serves on that socket until told to end, on a loop that bears the streams of a thousand robots: libuv's does for each
     piece that is sent or received half of what asyncio's own does."""
     _allow_many_files()
-    with asyncio.Runner(loop_factory=uvloop.new_event_loop) as runner:
-        runner.run(serving.serve(sockets=[console]))
+    lifetime.run(serving.serve(sockets=[console]))
 
 
 def _allow_many_files() -> None:

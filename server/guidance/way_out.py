@@ -101,10 +101,10 @@ def way_around(blocked: Blocked, floor: Floor, parameters: GuidanceParameters) -
     detours = _detours(blocked, floor, parameters)
     if detours is None:
         return NoWay.ROOM
-    turning_m = max(math.hypot(x, y) for x, y in blocked.spec.footprint) + PASSED_M
-    if turning_m <= blocked.room_m or _may_turn(blocked, detours, floor, parameters):
+    circle_m = max(math.hypot(x, y) for x, y in blocked.spec.footprint)
+    if circle_m + _TURN_BESIDE_M <= blocked.room_m or _may_turn(blocked, detours, floor, parameters):
         return detours
-    wider = replace(blocked, room_m=turning_m + CELL_M)
+    wider = replace(blocked, room_m=max(blocked.room_m, circle_m + PASSED_M + CELL_M))
     detours = _detours(wider, floor, parameters)
     if detours is not None and _may_turn(wider, detours, floor, parameters):
         return detours
