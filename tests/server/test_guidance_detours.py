@@ -232,6 +232,22 @@ def test_after_turning_at_a_bend_the_line_begins_with_the_piece_that_the_robot_f
     assert turned >= 2
 
 
+def test_a_detour_to_a_waypoint_beside_a_pallet_does_not_end_on_its_rim() -> None:
+    simulation = start(Course([(4.0, 2.0), (4.6, 3.6)]))
+    simulation.pallets = [square(3.4, 1.9, side=0.5)]
+    ends: list[float] = []
+    while simulation.elapsed_s < 40.0 and not done(simulation):
+        simulation.run(0.1)
+        assert simulation.outcome is not None
+        if code(simulation) is ReasonCode.DETOUR and simulation.assignments[ROBOT].leg == 0:
+            path = simulation.outcome.states[ROBOT].path
+            ends.append(min(math.dist(point, (4.0, 2.0)) for point in path))
+    assert ends
+    assert max(ends) <= 0.12, "a robot that rounds the bend at the end would miss the waypoint"
+    assert done(simulation)
+    assert max(simulation.nearest[ROBOT]) <= 0.2
+
+
 def test_another_guidance_takes_over_in_the_middle_of_a_detour() -> None:
     simulation = start()
     simulation.pallets = [square(3.5, 2.0, side=0.6)]
