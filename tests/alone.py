@@ -1,7 +1,7 @@
 """Where several processes share the tests (pytest-xdist), those that drive a whole system still have the machine to themselves.
 
-A test file stays in one process. All files of the folders in `ALONE` go to one process together, as its last work, and it begins
-with them when every other process has ended: load from beside would change what they time, and one running system is shared.
+A test file stays in one process. All files of the folder `ALONE` go to one process together, as its last work, and it begins
+with them when every other process has ended: load from beside would change what they time, and they share one running system.
 """
 
 import fcntl
@@ -10,16 +10,17 @@ from collections.abc import Generator
 from pathlib import Path
 
 import pytest
+from xdist.remote import Producer
 from xdist.scheduler import LoadScopeScheduling
 
-ALONE = ("bench", "e2e")
+ALONE = "e2e"
 _OTHERS_ENDED = pytest.StashKey[int]()
 """The descriptor that a process locks: shared as long as it has tests, exclusively from its first test of `ALONE` on."""
 
 
 def is_alone(nodeid: str) -> bool:
     """Whether the test has the machine to itself."""
-    return Path(nodeid.split("::")[0]).parent.name in ALONE
+    return Path(nodeid.split("::")[0]).parent.name == ALONE
 
 
 class FilesThenAlone(LoadScopeScheduling):
@@ -30,12 +31,12 @@ class FilesThenAlone(LoadScopeScheduling):
         super().schedule()
 
     def _split_scope(self, nodeid: str) -> str:
-        return "alone" if is_alone(nodeid) else nodeid.split("::")[0]
+        return ALONE if is_alone(nodeid) else nodeid.split("::")[0]
 
 
 @pytest.hookimpl(optionalhook=True)
-def pytest_xdist_make_scheduler(config: pytest.Config) -> LoadScopeScheduling:
-    return FilesThenAlone(config)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Producer) -> LoadScopeScheduling:
+    return FilesThenAlone(config, log)
 
 
 def pytest_sessionstart(session: pytest.Session) -> None:
