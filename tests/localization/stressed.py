@@ -44,18 +44,19 @@ class Stress:
         """The camera's picture of a clean one (height, width); the shadow's edge goes through that pixel."""
         rng = np.random.default_rng([self.seed, 12])
         height, width = image.shape
-        u, v = np.meshgrid(
-            np.linspace(-0.5, 0.5, width, dtype=np.float32), np.linspace(-0.5, 0.5, height, dtype=np.float32)
-        )
+        u = np.linspace(-0.5, 0.5, width, dtype=np.float32)
+        v = np.linspace(-0.5, 0.5, height, dtype=np.float32)[:, None]
         towards = rng.uniform(0, 2 * math.pi)
-        light = 1.0 - self.gradient * np.clip(0.5 + u * math.cos(towards) + v * math.sin(towards), 0, 1)
+        along, across = math.cos(towards), math.sin(towards)
+        light = 1.0 - self.gradient * np.clip(0.5 + u * along + v * across, 0, 1)
         if through is not None:
             x, y = through
-            side = (u * width + width / 2 - x) * math.cos(towards) + (v * height + height / 2 - y) * math.sin(towards)
-            light = light * (self.shadow + (1 - self.shadow) / (1 + np.exp(np.clip(-side / 0.8, -60, 60))))
-        seen = 255.0 * np.clip(light * (0.06 + self.contrast * image / 255.0), 0.0, 1.0) ** self.gamma
-        seen = cv2.GaussianBlur(seen.astype(np.float32), (0, 0), self.blur_px)
-        seen = seen + self.noise * rng.standard_normal(seen.shape, dtype=np.float32)
+            side = (u * width + width / 2 - x) * along + (v * height + height / 2 - y) * across
+            light *= self.shadow + (1 - self.shadow) / (1 + cv2.exp(np.clip(side / -0.8, -60, 60)))
+        light *= (0.06 + self.contrast / 255.0 * image).astype(np.float32)
+        seen = 255.0 * cv2.pow(np.clip(light, 0.0, 1.0), self.gamma)
+        seen = cv2.GaussianBlur(seen, (0, 0), self.blur_px)
+        seen += self.noise * rng.standard_normal(seen.shape, dtype=np.float32)
         grey = np.clip(np.rint(seen), 0, 255).astype(np.uint8)
         _, data = cv2.imencode(".jpg", grey, [cv2.IMWRITE_JPEG_QUALITY, self.jpeg])
         return cast("Grey", cv2.imdecode(data, cv2.IMREAD_GRAYSCALE))
@@ -115,10 +116,6 @@ def _patch(kind: int, rng: np.random.Generator, dark: int, bright: int) -> Grey:
     shades = np.array([dark, bright], np.uint8)[cells]
     finer = max(2, 160 // len(cells))  # its largest side on a picture, in pixels: finer would not be seen
     return cast("Grey", cv2.resize(shades, None, fx=finer, fy=finer, interpolation=cv2.INTER_NEAREST))
-
-
-def _paste(image: Grey, patch: Grey, rng: np.random.Generator, x: int, y: int) -> None:
-    """Turned and in perspective, as a print lies on the floor, with its centre at x, y."""
 
 
 def _paste(image: Grey, patch: Grey, rng: np.random.Generator, x: int, y: int) -> None:
