@@ -57,3 +57,11 @@ def pytest_runtest_protocol(item: pytest.Item) -> Generator[None, object, object
 def pytest_sessionfinish(session: pytest.Session) -> None:
     if _OTHERS_ENDED in session.config.stash:
         os.close(session.config.stash[_OTHERS_ENDED])  # the process itself goes on until all have ended
+
+
+def pytest_report_teststatus(report: pytest.TestReport | pytest.CollectReport) -> tuple[str, str, str] | None:
+    """Names a failure at once: what comes from several processes is otherwise a row of letters until the end."""
+    if not report.failed or not hasattr(report, "node"):
+        return None
+    category, letter = ("failed", "F") if report.when == "call" else ("error", "E")
+    return category, f"{letter} ({report.nodeid})\n", category.upper()

@@ -16,13 +16,6 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     items.sort(key=lambda item: (_rank(item.path), _shares_the_system(item)))
 
 
-def pytest_report_teststatus(report: pytest.TestReport | pytest.CollectReport) -> tuple[str, str, str] | None:
-    """Names a failure at once where several processes share the tests, which is otherwise a row of letters until the end."""
-    if report.when == "call" and report.failed and hasattr(report, "node"):
-        return "failed", f"F ({report.nodeid})\n", "FAILED"
-    return None
-
-
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
     if os.environ.get("LILLIPUT_WEB_TESTS_FAILED"):
         terminalreporter.section("console (vitest)")

@@ -81,4 +81,5 @@ def test_a_file_stays_in_one_process(done: Run) -> None:
 def test_one_summary_counts_all_and_a_failure_among_those_that_share_fails_the_run(done: Run) -> None:
     assert done.status == 1
     assert "1 failed, 15 passed" in done.output.splitlines()[-1]
+    assert "F (tests/pure/test_0.py::test)\n" in done.output[: done.output.index("FAILURES")]
     assert len(done.output.splitlines()) < 40, done.output
