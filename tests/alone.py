@@ -1,12 +1,15 @@
-"""Where several processes share the tests (pytest-xdist), those that drive a whole system still have the machine to themselves.
+"""Where several processes share the tests (pytest-xdist), some of them still have the machine to themselves.
 
-A test file stays in one process. All files of the folder `ALONE` go to one process together, as its last work, and it begins
-with them when every other process has ended: load from beside would change what they time, and they share one running system.
+A test file stays in one process. All files of the folder `ALONE`, which drive a whole system, go to one process together, as its
+last work, and it begins with them when every other process has ended: load from beside would change what they time, and they
+share one running system. A test with the mark `alone` judges fractions of a second: while it runs, the other processes pause
+between two tests.
 """
 
 import fcntl
 import os
 from collections.abc import Generator
+from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
@@ -14,12 +17,10 @@ from xdist.remote import Producer
 from xdist.scheduler import LoadScopeScheduling
 
 ALONE = "e2e"
-_OTHERS_ENDED = pytest.StashKey[int]()
-"""The descriptor that a process locks: shared as long as it has tests, exclusively from its first test of `ALONE` on."""
 
 
 def is_alone(nodeid: str) -> bool:
-    """Whether the test has the machine to itself."""
+    """Whether the test belongs to those that begin when all others have ended."""
     return Path(nodeid.split("::")[0]).parent.name == ALONE
 
 
@@ -34,6 +35,31 @@ class FilesThenAlone(LoadScopeScheduling):
         return ALONE if is_alone(nodeid) else nodeid.split("::")[0]
 
 
+@dataclass(frozen=True, slots=True)
+class Locks:
+    """Descriptors that each process of a run locks: `others`, shared for as long as it has tests, exclusively from its first test
+    of `ALONE` on; `test`, for each test, exclusively for one that is marked."""
+
+    others: int
+    test: int
+
+    @classmethod
+    def of_run(cls, root: Path) -> "Locks":
+        """Of a run of the tests below that folder."""
+        return cls(os.open(root, os.O_RDONLY), os.open(root / "tests", os.O_RDONLY))
+
+    def close(self) -> None:
+        os.close(self.others)
+        os.close(self.test)
+
+
+_LOCKS = pytest.StashKey[Locks]()
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    config.addinivalue_line("markers", "alone: judges fractions of a second; no other test runs beside it")
+
+
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Producer) -> LoadScopeScheduling:
     return FilesThenAlone(config, log)
@@ -41,22 +67,28 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Producer) -> LoadSco
 
 def pytest_sessionstart(session: pytest.Session) -> None:
     if hasattr(session.config, "workerinput"):
-        lock = session.config.stash[_OTHERS_ENDED] = os.open(__file__, os.O_RDONLY)
-        fcntl.flock(lock, fcntl.LOCK_SH)
+        locks = session.config.stash[_LOCKS] = Locks.of_run(session.config.rootpath)
+        fcntl.flock(locks.others, fcntl.LOCK_SH)
 
 
 @pytest.hookimpl(wrapper=True, tryfirst=True)  # outside of pytest-timeout: waiting is not the test's time
 def pytest_runtest_protocol(item: pytest.Item) -> Generator[None, object, object]:
-    lock = item.config.stash.get(_OTHERS_ENDED, None)
-    if lock is not None and is_alone(item.nodeid):
-        fcntl.flock(lock, fcntl.LOCK_EX)
-    return (yield)
+    locks = item.config.stash.get(_LOCKS, None)
+    if locks is None:
+        return (yield)
+    if is_alone(item.nodeid):
+        fcntl.flock(locks.others, fcntl.LOCK_EX)
+    fcntl.flock(locks.test, fcntl.LOCK_EX if item.get_closest_marker("alone") else fcntl.LOCK_SH)
+    try:
+        return (yield)
+    finally:
+        fcntl.flock(locks.test, fcntl.LOCK_UN)
 
 
 @pytest.hookimpl(trylast=True)
 def pytest_sessionfinish(session: pytest.Session) -> None:
-    if _OTHERS_ENDED in session.config.stash:
-        os.close(session.config.stash[_OTHERS_ENDED])  # the process itself goes on until all have ended
+    if _LOCKS in session.config.stash:
+        session.config.stash[_LOCKS].close()  # the process itself goes on until all have ended
 
 
 def pytest_report_teststatus(report: pytest.TestReport | pytest.CollectReport) -> tuple[str, str, str] | None:

@@ -34,6 +34,7 @@ async def test_obeys_reports_and_reaches(world: World) -> None:
     assert last.battery == pytest.approx(0.9)
 
 
+@pytest.mark.alone
 async def test_statuses_come_ten_times_a_second(world: World) -> None:
     await until(lambda: world.server.statuses, "a status")
     before = len(world.server.statuses)

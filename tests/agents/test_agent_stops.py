@@ -3,6 +3,8 @@
 import asyncio
 from itertools import pairwise
 
+import pytest
+
 from agents.link.stops import LOOPBACK_BROADCAST
 from agents.motion import STOP
 from launcher.stop_broadcast import StopBroadcast
@@ -19,6 +21,7 @@ async def test_stands_still_without_a_command_and_says_why(world: World) -> None
     await until(lambda: len(world.base.setpoints) > 10, "zero commanded, not just left unsaid")
 
 
+@pytest.mark.alone
 async def test_stops_half_a_second_after_commands_fall_silent(world: World) -> None:
     world.go()
     await world.moving()
@@ -32,6 +35,7 @@ async def test_stops_half_a_second_after_commands_fall_silent(world: World) -> N
     assert reason is not None and reason.code is ReasonCode.COMMAND_STALE
 
 
+@pytest.mark.alone
 async def test_stops_half_a_second_after_poses_fall_silent(world: World) -> None:
     world.go()
     await world.moving()
@@ -57,6 +61,7 @@ async def test_an_order_to_wait_is_obeyed_at_once(world: World) -> None:
     assert world.agent.pilot.gate.current == command
 
 
+@pytest.mark.alone
 async def test_an_emergency_stop_stops_at_once_and_holds_until_released(world: World) -> None:
     world.go()
     await world.moving()
@@ -76,6 +81,7 @@ async def test_an_emergency_stop_stops_at_once_and_holds_until_released(world: W
     await world.moving()
 
 
+@pytest.mark.alone
 async def test_what_is_in_the_protective_field_stops_it_whatever_the_server_says(world: World) -> None:
     world.go()
     await world.moving()
@@ -113,6 +119,7 @@ async def test_answers_to_a_stop_by_broadcast_leave_no_gap_in_the_servers_status
     assert {later.sequence - before.sequence for before, later in pairwise(statuses)} == {1}
 
 
+@pytest.mark.alone
 async def test_a_stop_by_broadcast_stops_it_with_a_dead_server_and_until_a_newer_release(world: World) -> None:
     world.go()
     await world.moving()
