@@ -27,10 +27,10 @@ CAMERAS = (
 """For the simulated drives."""
 LATE = Camera(15.0, 0.15, 0.01, math.radians(1.0), outliers=0.03, seen_s=20.0, stamps_late_s=0.06)
 """Its stamps are late: what the filter has to find out."""
-_DRIVES_A_SEED = 100
-"""More than there are: drives of different seeds never share one."""
 RECORDED = Camera(10.0, 0.15, 0.02, math.radians(2.0), outliers=0.03, seen_s=20.0)
 """For the recorded runs."""
+_DRIVES_A_SEED = 100
+"""More than there are, so that drives of different seeds never share theirs."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
