@@ -34,7 +34,7 @@ class NoiseConfig:
     much they change per root second of driving. `camera_floor_*`: errors that all poses of a place share and that no
     averaging removes. `scale_sigma`: of the logarithms of the scales before learning, (way, turn, camera). Wheels differ that
     much: the commands of the recorded runs need 150 to 200 times the noise assumed here for the way and 16 to 25 times for
-    the turn, the simulated bases 0.05 and 0.12 times (docs/experiments.md, "Fusion"); good wheels tell of themselves slowly,
+    the turn, the simulated bases 0.05 and 0.12 times (docs/results.md, "Fusion"); good wheels tell of themselves slowly,
     as the camera drowns them, and a narrower belief would hold their noise up. `memory` is the number of poses that learning
     reaches back.
     """
