@@ -15,6 +15,7 @@ from pathlib import Path
 import pytest
 from xdist.remote import Producer
 from xdist.scheduler import LoadScopeScheduling
+from xdist.workermanage import WorkerController
 
 ALONE = "e2e"
 
@@ -30,6 +31,13 @@ class FilesThenAlone(LoadScopeScheduling):
     def schedule(self) -> None:
         self.config.option.loadscopereorder = False  # else the largest files would come first
         super().schedule()
+
+    def _assign_work_unit(self, node: WorkerController) -> None:
+        """By their places in the collection: of tests with one id, as schemathesis makes them, only the first would run."""
+        scope, unit = self.workqueue.popitem(last=False)
+        self.assigned_work.setdefault(node, {})[scope] = unit
+        collection = self.registered_collections[node]
+        node.send_runtest_some([index for index, nodeid in enumerate(collection) if not unit.get(nodeid, True)])
 
     def _split_scope(self, nodeid: str) -> str:
         return ALONE if is_alone(nodeid) else nodeid.split("::")[0]
