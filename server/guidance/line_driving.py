@@ -36,7 +36,7 @@ class LineDriver:
         """How far along the line a robot is that is on the present piece."""
         if len(self.line.points) < 2:
             return 0.0
-        return self.line.mark(self._piece) + progress_along(here, *self._ends)
+        return self.begun_m + progress_along(here, *self._ends)
 
     @property
     def begun_m(self) -> float:

@@ -17,7 +17,7 @@ from _pytest.nodeid import coerce_node_id
 def pytest_collection_modifyitems(items):
     for item in items:
         if item.path.stem == "test_c":
-            item._id = coerce_node_id("tests/pure/test_c.py::test")  # as schemathesis does
+            item._id = coerce_node_id("tests/agents/test_c.py::test")  # as schemathesis does
 
 @pytest.fixture(autouse=True)
 def story(request):
