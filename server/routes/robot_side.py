@@ -24,7 +24,7 @@ router = APIRouter(prefix="/robots/{robot_id}", tags=["robot's side"])
 
 
 class Introduction(Body):
-    """What a robot says when it starts, and again as often as the answer asks for. `session` differs after each of its restarts."""
+    """What a robot says when it starts, and again as often as it is asked to. `session` differs after each of its restarts."""
 
     model_config = ConfigDict(
         json_schema_extra={"examples": [{"kind": "wifibot", "udp_port": 40123, "session": "b1946ac9"}]}

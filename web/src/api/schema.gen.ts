@@ -1842,7 +1842,7 @@ export interface components {
         };
         /**
          * Introduction
-         * @description What a robot says when it starts, and again as often as the answer asks for. `session` differs after each of its restarts.
+         * @description What a robot says when it starts, and again as often as it is asked to. `session` differs after each of its restarts.
          * @example {
          *       "kind": "wifibot",
          *       "session": "b1946ac9",
