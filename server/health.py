@@ -15,6 +15,7 @@ from protocol.channels import (
     COMMANDS,
     DETECTIONS,
     GROUND_TRUTH,
+    INTAKE,
     LAB_INSTANCE,
     OBSTACLES,
     POSES,
@@ -142,11 +143,13 @@ class _Problems:
             text = f"no map of obstacles{self._since(since_ns)}: robots on routes wait (is the mapper running?)"
             yield _problem("error", "mapper", since_ns, text)
         yield from self._guidance()
+        if self._bad(INTAKE, LAB_INSTANCE):
+            since_ns = self._stamp(INTAKE, LAB_INSTANCE)
+            text = f"the intake says nothing{self._since(since_ns)}: no robot's status datagrams are heard"
+            yield _problem("error", "intake", since_ns, text)
         cameras_work = any(not self._bad(DETECTIONS, camera.id) for camera in self._lab.cameras)
         for vehicle in self._lab.vehicles:
             yield from self._robot(vehicle, cameras_work)
-        if not self._inputs.udp.listening:
-            yield _problem("error", "server", None, "the server does not listen for robots' datagrams")
 
     def _processes(self) -> Iterator[ProblemView]:
         for name, process in sorted(self._inputs.processes.items()):
@@ -207,7 +210,7 @@ class _Problems:
                 else f"no agent has ever connected for {robot}; start one with `python -m agents {robot}`"
             )
             yield _problem("warning", robot, None, text)
-        elif self._bad(STATUSES, robot):
+        elif self._bad(STATUSES, robot) and (vehicle.driver == GPSS_DRIVER or not self._bad(INTAKE, LAB_INSTANCE)):
             text = (
                 f"{robot} has registered but sends no status datagrams (is UDP let through, and the key the same?)"
                 if heard is None

@@ -22,6 +22,7 @@ from protocol.channels import (
     EMERGENCY_STOP,
     EVENTS,
     GUIDANCE,
+    INTAKE,
     LAB_INSTANCE,
     MANUAL,
     OBSTACLES,
@@ -44,6 +45,7 @@ from protocol.messages import (
     Event,
     FloorRaster,
     GuidanceState,
+    IntakeState,
     ProcessState,
     Route,
     SimulatedObject,
@@ -65,7 +67,7 @@ from server.repositories.robot_settings import ROBOT_SETTINGS
 from server.repositories.simulated_objects import SIMULATED_OBJECTS
 from server.repositories.speed_zones import SPEED_ZONES, speed_zones_of
 from server.views.cameras import camera_view
-from server.views.health import HealthView, RedisView, UdpView
+from server.views.health import HealthView, RedisView, UdpView, losses
 from server.views.obstacles import obstacles_view
 from server.views.robots import FleetState, robot_view
 
@@ -100,16 +102,9 @@ _AWAY = (*UNAVAILABLE, RedisError, BusUnavailableError)
 class LiveHub:
     """Its `parts` must be running for anything to be new."""
 
-    def __init__(
-        self,
-        bus: Bus,
-        lab: Lab,
-        clock: Clock,
-        udp: Callable[[], UdpView],
-        losses: Callable[[], Mapping[str, float]] = dict,
-    ) -> None:
+    def __init__(self, bus: Bus, lab: Lab, clock: Clock) -> None:
         self.feeds = CommandFeeds()
-        self._bus, self._lab, self._clock, self._udp, self._losses = bus, lab, clock, udp, losses
+        self._bus, self._lab, self._clock = bus, lab, clock
         self._store = Store(bus.redis)
         self.latch = EmergencyStopLatch(EmergencyStopRepository(self._store, clock), self.feeds, clock)
         self._started_ns = clock.now_ns()
@@ -339,7 +334,7 @@ class LiveHub:
         fleet.poses, fleet.statuses = newest.of(POSES), newest.of(STATUSES)
         fleet.registrations, fleet.commands = newest.of(REGISTRATIONS), newest.of(COMMANDS)
         fleet.guidance, fleet.manual = newest.of(GUIDANCE), newest.of(MANUAL)
-        fleet.losses = self._losses()
+        fleet.losses = losses(self._intake(), self._clock.now_ns())
         fleet.emergency_stop = self.feeds.emergency_stop or EmergencyStop(engaged=False)
 
     def _build_others(self) -> None:
@@ -364,7 +359,11 @@ class LiveHub:
         while self._new_events:
             sections.append(self._new_events.popleft())
 
+    def _intake(self) -> IntakeState | None:
+        return cast("IntakeState | None", self._newest.of(INTAKE).get(LAB_INSTANCE))
+
     def _health_view(self) -> HealthView:
+        now_ns, intake = self._clock.now_ns(), self._intake()
         return health_view(
             self._lab,
             HealthInputs(
@@ -373,11 +372,11 @@ class LiveHub:
                 camera_states=cast("Mapping[str, CameraState]", self._newest.of(CAMERA_STATES)),
                 processes=cast("Mapping[str, ProcessState]", self._newest.of(PROCESSES)),
                 redis=RedisView(reachable=self._away_since_ns is None, since_ns=self._away_since_ns),
-                udp=self._udp(),
+                udp=UdpView.of(intake, now_ns),
                 statuses=cast("dict[str, Status]", self._newest.of(STATUSES)),
-                losses=self._losses(),
+                losses=losses(intake, now_ns),
             ),
-            self._clock.now_ns(),
+            now_ns,
         )
 
 

@@ -70,13 +70,14 @@ async def register_robot(
         raise UnavailableError("Redis is out of reach; register again")
     context.introduced[robot_id] = registration.session
     if known != registration.session:
-        context.listener.forget(robot_id)
         text = f"{robot_id} registered from {registration.host}:{registration.udp_port}"
         now_ns = context.clock.now_ns()
         event = Event(stamp_ns=now_ns, level=EventLevel.INFO, source=identity.name, kind="robot_registered", text=text)
         await record(context.bus, event)
     return RegistrationView(
-        robots_udp=context.listener.port, pose_rate_hz=POSES.rate_hz, again_s=_again_s(len(context.lab.vehicles))
+        robots_udp=context.configuration.udp_port,
+        pose_rate_hz=POSES.rate_hz,
+        again_s=_again_s(len(context.lab.vehicles)),
     )
 
 

@@ -1,21 +1,20 @@
 """Listens for robots' STATUS datagrams (design, "Robots connect over HTTP and UDP"): what is one of ours and signed goes to the
-intake, the rest is counted, told in the health, and now and then in the history."""
+intake, the rest is counted, and now and then told in the history."""
 
 import asyncio
 import socket
 import sys
 from collections.abc import AsyncGenerator
 from contextlib import asynccontextmanager, suppress
-from typing import cast
 
 from protocol.bus import Bus
 from protocol.clock import Clock
 from protocol.datagram import Kind, unpack
 from protocol.errors import DecodeError
 from protocol.lab import Lab
+from protocol.messages import IntakeState
 from protocol.messages.status_fields import read_status
-from server.status_intake import StatusIntake
-from server.views.health import UdpView
+from server.intake.statuses import StatusIntake
 
 _AT_ONCE = 256
 """So many datagrams are taken before others on the loop have their turn."""
@@ -29,13 +28,11 @@ _SO_RCVBUFFORCE = 33
 
 
 class StatusListener:
-    """`view` tells how many datagrams were received, accepted, and refused for which cause; `run` must be running."""
+    """`state` tells how many datagrams were received, accepted, and refused for which cause; `run` must be running."""
 
     def __init__(self, bus: Bus, lab: Lab, clock: Clock, key: bytes | None) -> None:
-        self.port = lab.ports.robots_udp
-        self._key = key
+        self._key, self._clock = key, clock
         self._intake = StatusIntake(bus, lab, clock)
-        self._listening = False
 
     @asynccontextmanager
     async def listening(self, bound: socket.socket) -> AsyncGenerator[None]:
@@ -45,12 +42,9 @@ class StatusListener:
         _widen(bound)
         # Not a datagram endpoint: that takes one datagram per round of the loop.
         loop.add_reader(bound, self._drain, bound)
-        self.port = cast("tuple[str, int]", bound.getsockname())[1]
-        self._listening = True
         try:
             yield
         finally:
-            self._listening = False
             loop.remove_reader(bound)
             bound.close()
 
@@ -58,15 +52,11 @@ class StatusListener:
         """Lets a robot start over, as after a registration with a clock that was set back."""
         self._intake.forget(robot)
 
-    def losses(self) -> dict[str, float]:
-        """By robot: the share of its statuses of the last seconds that did not arrive."""
-        return self._intake.losses()
-
-    def view(self) -> UdpView:
-        """The counters, for the health."""
+    def state(self) -> IntakeState:
+        """The counters, the newest refusal, and how well each robot is heard."""
         counts = self._intake.counts
-        return UdpView(
-            listening=self._listening,
+        return IntakeState(
+            stamp_ns=self._clock.now_ns(),
             received=counts["received"],
             accepted=counts["accepted"],
             undecodable=counts["undecodable"],
@@ -78,6 +68,7 @@ class StatusListener:
             duplicate=counts["duplicate"],
             out_of_order=counts["out_of_order"],
             last_problem=self._intake.problem,
+            losses=self._intake.losses(),
         )
 
     def _drain(self, bound: socket.socket) -> None:
