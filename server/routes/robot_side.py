@@ -84,7 +84,7 @@ async def register_robot(
 def _again_s(robots: int) -> float:
     """As often as the channel says; a large fleet's robots less often, but before they count as missing."""
     usual_s = 1.0 / REGISTRATIONS.rate_hz
-    return min(max(usual_s, robots / _REGISTRATIONS_HZ), 0.8 * REGISTRATIONS.stale_after_s)
+    return min(max(usual_s, robots / _REGISTRATIONS_HZ), 0.75 * REGISTRATIONS.stale_after_s)
 
 
 async def _registered_session(context: Context, robot_id: str) -> str | None:
