@@ -52,7 +52,8 @@ class CommandReader:
                 return orders
             orders.append(_ORDERS.decode(data[begin + len(_COMMAND) : end]))
             begin = data.find(_COMMAND, end)
-        self._rest = data[-len(_COMMAND) :] if data[-1:] not in (b"\n", b"") else b""
+        # A lone line feed may be the one within the mark.
+        self._rest = b"" if data[-2:] in (b"\n\n", b"\r\n") else data[-len(_COMMAND) :]
         return orders
 
 
