@@ -6,10 +6,10 @@ from pathlib import Path
 import pytest
 
 ORDER = (
-    "geometry", "protocol", "mapping", "lab", "localization", "agents", "server", "launcher", "experiments", "e2e",
+    "geometry", "protocol", "mapping", "lab", "localization", "agents", "server", "launcher", "bench", "experiments", "e2e",
 )  # fmt: skip
 TESTS = Path(__file__).parent
-pytest_plugins = ("tests.redis_fixture",)
+pytest_plugins = ("tests.redis_fixture", "tests.alone")
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

@@ -1,7 +1,9 @@
 """`./lilliput test`: every test there is, the quick ones first and the browser last.
 
 The console's own tests (Vitest) run before pytest, so that pytest's summary is the last thing printed; when they fail,
-pytest still runs, its summary repeats the failure and the exit status is 1. Arguments that name tests select only those.
+pytest still runs, its summary repeats the failure and the exit status is 1. As many processes as there are cores, up to four,
+share the tests; those that drive a whole system come last and alone (tests/alone.py). Arguments that name tests select only
+those, in one process unless `-n` says otherwise.
 """
 
 import argparse
@@ -16,6 +18,9 @@ from launcher.web_build import build_web, has_web, install_packages
 
 WEB_FAILED = "LILLIPUT_WEB_TESTS_FAILED"
 """Tells tests/conftest.py to repeat in pytest's summary that the console's tests failed."""
+
+SHARED = ("-n", "auto", "--maxprocesses", "4")
+"""Each process has half a gigabyte, and a few long files are all that more than four would wait for."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -32,7 +37,8 @@ def run(arguments: argparse.Namespace) -> int:
         build_web(WEB, progress)
         ensure_chromium()
     environment = {**os.environ} if web_ok else {**os.environ, WEB_FAILED: "1"}
-    done = subprocess.run([PYTHON, "-P", "-m", "pytest", *rest], cwd=ROOT, env=environment, check=False)
+    shared = () if chosen else SHARED
+    done = subprocess.run([PYTHON, "-P", "-m", "pytest", *shared, *rest], cwd=ROOT, env=environment, check=False)
     return done.returncode or (0 if web_ok else 1)
 
 

@@ -216,7 +216,9 @@ class RouteFollower:
         if done >= line.length_m and distance(here, end) > self.within_m(plan, leg):
             points = [here]
         elif done > _PATH_BEHIND_M or self._before_anchor is None or self._detour is not None:
-            points = line.part(max(0.0, done - _PATH_BEHIND_M), line.length_m)[:-1]
+            # A robot that has turned at a bend stands a little before it: led by the piece before, it would turn back.
+            begun_m = 0.0 if self._driver is None else self._driver.begun_m
+            points = line.part(max(begun_m, done - _PATH_BEHIND_M), line.length_m)[:-1]
         else:
             before, start = self._before_anchor, line.points[0]
             along = progress_along(here, before, start)

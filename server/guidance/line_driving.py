@@ -39,6 +39,11 @@ class LineDriver:
         return self.line.mark(self._piece) + progress_along(here, *self._ends)
 
     @property
+    def begun_m(self) -> float:
+        """Metres along the line to where the present piece begins."""
+        return self.line.mark(self._piece)
+
+    @property
     def aligning(self) -> bool:
         """Whether the robot does not yet head along its piece."""
         return self._aligning

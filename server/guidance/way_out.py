@@ -46,6 +46,9 @@ _TURN_BESIDE_M = 0.2
 _OFF_ROUTE = 1.5
 """What a metre off the route costs, one on it costing 1: so a way comes back soon, not only at the leg's end."""
 
+_INNER, _RIM = (0.0, 0.3, 0.6), (0.9,)
+"""Shares of a waypoint's radius at which a detour may end."""
+
 
 class NoWay(Enum):
     """Why there is none: no floor that is wide enough, or none where the robot could turn at the bends."""
@@ -234,16 +237,19 @@ def _passes(line: Line, place: Point) -> bool:
 
 
 def _within(waypoint: Point, radius_m: float, space: FreeSpace, ways: ShortestWays) -> Point | None:
-    """The place with room within a waypoint's radius to which the cheapest way leads, None when none does."""
-    points = list(_disc(waypoint, radius_m))
-    costs = np.where(space.roomy(points), ways.costs(points), np.inf)
-    best = int(np.argmin(costs))
-    return points[best] if math.isfinite(float(costs[best])) else None
+    """The place with room within a waypoint's radius to which the cheapest way leads, None when none does. On the rim only where
+    nothing farther in has room: a robot that rounds the bend there would miss the waypoint."""
+    for shares in (_INNER, _RIM):
+        points = list(_rings(waypoint, radius_m, shares))
+        costs = np.where(space.roomy(points), ways.costs(points), np.inf)
+        best = int(np.argmin(costs))
+        if math.isfinite(float(costs[best])):
+            return points[best]
+    return None
 
 
-def _disc(centre: Point, radius_m: float) -> Iterator[Point]:
-    yield centre
-    for share in (0.3, 0.6, 0.9):
+def _rings(centre: Point, radius_m: float, shares: Sequence[float]) -> Iterator[Point]:
+    for share in shares:
         for step in range(16):
             angle = step * math.pi / 8
             yield centre[0] + share * radius_m * math.cos(angle), centre[1] + share * radius_m * math.sin(angle)

@@ -181,6 +181,16 @@ def test_honest_in_a_long_drive() -> None:
     assert report is not None and report.is_consistent, str(report)
 
 
+def test_good_wheels_are_found_within_half_a_minute() -> None:
+    """However little their noise is against the camera's; until then covariances are too large. It starts at 1."""
+    drive = FusionDrive(EkfEstimator())
+    list(drive.run(30.0))
+    assert isinstance(drive.estimator, EkfEstimator)
+    way, turn, camera = drive.estimator.noise.scales
+    assert way < 0.2 and turn < 0.01
+    assert camera == pytest.approx(1.0, abs=0.15)
+
+
 def test_a_camera_worse_than_it_claims_is_believed_less() -> None:
     drive = FusionDrive(EkfEstimator(), noise_m=0.01)
     drive.spoil = lambda pose: SE2(

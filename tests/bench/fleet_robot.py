@@ -11,6 +11,7 @@ from tests.bench.fleet_lab import AREA
 _COMMAND = b"event: command\ndata: "
 _STOP = b"event: emergency_stop\ndata: "
 _END = b"\n\n"
+_PIECE_END = _END + b"\r\n"
 
 
 class Order(Struct):
@@ -52,8 +53,8 @@ class CommandReader:
                 return orders
             orders.append(_ORDERS.decode(data[begin + len(_COMMAND) : end]))
             begin = data.find(_COMMAND, end)
-        # A lone line feed may be the one within the mark.
-        self._rest = b"" if data[-2:] in (b"\n\n", b"\r\n") else data[-len(_COMMAND) :]
+        # The last bytes may begin a command, unless a piece ends with them.
+        self._rest = b"" if data.endswith(_PIECE_END) else data[-(len(_COMMAND) - 1) :]
         return orders
 
 

@@ -5,7 +5,7 @@ from array import array
 from pathlib import Path
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from launcher.cli import main
@@ -37,6 +37,7 @@ def told(sequence: int) -> bytes:
 
 
 @given(st.lists(st.integers(1, 400), max_size=40))
+@example([399])
 def test_commands_are_read_however_the_stream_is_cut(cuts: list[int]) -> None:
     pieces = [STOP, told(1), b": keep-alive\n\n", told(2), told(3), STOP, told(4)]
     stream = b"HTTP/1.1 200 OK\r\n\r\n" + b"".join(b"%x\r\n%s\r\n" % (len(piece), piece) for piece in pieces)

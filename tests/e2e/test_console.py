@@ -64,7 +64,9 @@ def bring_to_start(system: RunningSystem) -> None:
     system.api.delete(f"/robots/{ROBOT}/assignment")  # 409 when it did nothing
     body = {"id": "home", "area": "camp", "x": 1.0, "y": 1.0, "radius_m": 0.15, "yaw": 0.0}
     system.api.put("/waypoints/home", json=body).raise_for_status()
-    system.api.put("/routes/home", json={"id": "home", "legs": [{"waypoint": "home"}]}).raise_for_status()
+    system.api.put(
+        "/routes/home", json={"id": "home", "legs": [{"waypoint": "home", "speed_mps": 0.6}]}
+    ).raise_for_status()
     system.api.put(f"/robots/{ROBOT}/assignment", json={"route": "home"}).raise_for_status()
     wait_for("the robot is home", lambda: system.robot(ROBOT)["assignment"]["state"] == "done", 90)
 

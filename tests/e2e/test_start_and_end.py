@@ -36,16 +36,16 @@ def test_ctrl_c_ends_everything_within_five_seconds_and_frees_the_ports(tmp_path
 
 def test_the_first_password_is_shown_once(tmp_path: Path) -> None:
     lab_file = lab_on_free_ports(tmp_path)
-    with running_system(tmp_path, lab_file) as system:
+    with running_system(tmp_path, lab_file, only="server") as system:
         password = system.password
         assert system.api.get("/session").json()["role"] == "admin"
-    with running_system(tmp_path, lab_file, password=password) as again:
+    with running_system(tmp_path, lab_file, password=password, only="server") as again:
         assert again.api.get("/session").json()["role"] == "admin"
         assert not any("Log in as" in line for line in again.output)
 
 
 def test_a_new_lab_shows_driving_robots_that_take_other_orders_at_once(tmp_path: Path) -> None:
-    with running_system(tmp_path, lab_on_free_ports(tmp_path, tours=True)) as system:
+    with running_system(tmp_path, lab_on_free_ports(tmp_path, tours=True, light=True)) as system:
         system.wait_until_driving_is_possible()
         vehicles = [robot["id"] for robot in system.get("/robots")]
         assert len(vehicles) == 4

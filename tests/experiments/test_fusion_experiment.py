@@ -78,6 +78,14 @@ def test_the_reports_filter_moves_the_camera_on_by_velocity_times_age(drive: Run
     assert CameraOnly().estimate(0).localization is Localization.NEVER
 
 
+@pytest.mark.parametrize("quick", [False, True])
+def test_no_two_simulated_drives_share_their_chance(*, quick: bool) -> None:
+    """The band of the consistency takes each for an independent sample."""
+    seeds = [trial.seed for trial in simulated_trials(range(1, 9), quick=quick)]
+    assert len(set(seeds)) == len(seeds)
+    assert simulated_trials(range(2, 3), quick=quick)[0].seed in seeds, "the same seed is the same drive"
+
+
 def test_a_short_round_on_simulated_drives() -> None:
     trials = [
         replace(trial, longest_s=min(trial.longest_s, 62.0))

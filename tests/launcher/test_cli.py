@@ -11,7 +11,7 @@ from types import ModuleType
 import pytest
 
 from launcher.cli import main
-from launcher.commands.test import from_root, names_tests
+from launcher.commands.test import SHARED, from_root, names_tests
 from launcher.errors import LauncherError, UsageError
 from launcher.output import Result
 from launcher.paths import ROOT
@@ -164,3 +164,33 @@ def test_paths_of_tests_are_those_that_the_user_sees(tmp_path: Path) -> None:
     assert names_tests("tests/launcher/test_cli.py::test_x")
     assert not names_tests("launcher"), "a word after -k that happens to be a folder"
     assert not names_tests("--tb=short")
+
+
+@pytest.mark.parametrize(
+    ("rest", "passed_on"),
+    [
+        ([], [*SHARED]),
+        (["-k", "estop"], [*SHARED, "-k", "estop"]),
+        (["-n", "0", "--pdb"], [*SHARED, "-n", "0", "--pdb"]),  # pytest takes the last one
+        (["tests/geometry", "-x"], ["tests/geometry", "-x"]),
+    ],
+)
+def test_processes_share_the_tests_unless_some_are_named(
+    rest: list[str], passed_on: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    started: list[list[str]] = []
+
+    def start(command: list[str], **_: object) -> "subprocess.CompletedProcess[str]":
+        started.append(command)
+        return subprocess.CompletedProcess(command, 0)
+
+    def well(*_: object) -> bool:
+        return True
+
+    for name in ("_run_web_tests", "build_web", "ensure_chromium"):
+        monkeypatch.setattr(f"launcher.commands.test.{name}", well)
+    monkeypatch.setattr("launcher.commands.test.subprocess.run", start)
+    monkeypatch.chdir(ROOT)
+    assert main(["test", *rest]) == 0
+    (command,) = started
+    assert command[command.index("pytest") + 1 :] == passed_on

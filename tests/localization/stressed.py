@@ -44,18 +44,19 @@ class Stress:
         """The camera's picture of a clean one (height, width); the shadow's edge goes through that pixel."""
         rng = np.random.default_rng([self.seed, 12])
         height, width = image.shape
-        u, v = np.meshgrid(
-            np.linspace(-0.5, 0.5, width, dtype=np.float32), np.linspace(-0.5, 0.5, height, dtype=np.float32)
-        )
+        u = np.linspace(-0.5, 0.5, width, dtype=np.float32)
+        v = np.linspace(-0.5, 0.5, height, dtype=np.float32)[:, None]
         towards = rng.uniform(0, 2 * math.pi)
-        light = 1.0 - self.gradient * np.clip(0.5 + u * math.cos(towards) + v * math.sin(towards), 0, 1)
+        along, across = math.cos(towards), math.sin(towards)
+        light = 1.0 - self.gradient * np.clip(0.5 + u * along + v * across, 0, 1)
         if through is not None:
             x, y = through
-            side = (u * width + width / 2 - x) * math.cos(towards) + (v * height + height / 2 - y) * math.sin(towards)
-            light = light * (self.shadow + (1 - self.shadow) / (1 + np.exp(np.clip(-side / 0.8, -60, 60))))
-        seen = 255.0 * np.clip(light * (0.06 + self.contrast * image / 255.0), 0.0, 1.0) ** self.gamma
-        seen = cv2.GaussianBlur(seen.astype(np.float32), (0, 0), self.blur_px)
-        seen = seen + self.noise * rng.standard_normal(seen.shape, dtype=np.float32)
+            side = (u * width + width / 2 - x) * along + (v * height + height / 2 - y) * across
+            light *= self.shadow + (1 - self.shadow) / (1 + cv2.exp(np.clip(side / -0.8, -60, 60)))
+        light *= (0.06 + self.contrast / 255.0 * image).astype(np.float32)
+        seen = 255.0 * cv2.pow(np.clip(light, 0.0, 1.0), self.gamma)
+        seen = cv2.GaussianBlur(seen, (0, 0), self.blur_px)
+        seen += self.noise * rng.standard_normal(seen.shape, dtype=np.float32)
         grey = np.clip(np.rint(seen), 0, 255).astype(np.uint8)
         _, data = cv2.imencode(".jpg", grey, [cv2.IMWRITE_JPEG_QUALITY, self.jpeg])
         return cast("Grey", cv2.imdecode(data, cv2.IMREAD_GRAYSCALE))
@@ -97,7 +98,7 @@ def _patch(kind: int, rng: np.random.Generator, dark: int, bright: int) -> Grey:
     """A square pattern of small cells: a chessboard, another family's marker, or a tag's border around random cells."""
     if kind == 4:
         n = int(rng.integers(3, 12))
-        cells = np.indices((n, n)).sum(axis=0) % 2
+        cells = (np.indices((n, n)).sum(axis=0) % 2).astype(np.uint8)
     elif kind == 5:
         families = (
             cv2.aruco.DICT_4X4_250,
@@ -107,13 +108,14 @@ def _patch(kind: int, rng: np.random.Generator, dark: int, bright: int) -> Grey:
         )
         family = families[int(rng.integers(0, len(families)))]
         marker = cv2.aruco.generateImageMarker(cv2.aruco.getPredefinedDictionary(family), int(rng.integers(0, 35)), 72)
-        cells = cv2.copyMakeBorder(marker, 9, 9, 9, 9, cv2.BORDER_CONSTANT, value=255) > 127
+        cells = (cv2.copyMakeBorder(marker, 9, 9, 9, 9, cv2.BORDER_CONSTANT, value=255) > 127).astype(np.uint8)
     else:
-        cells = np.ones((10, 10), np.int64)
+        cells = np.ones((10, 10), np.uint8)
         cells[1:9, 1:9] = 0
         cells[2:8, 2:8] = rng.integers(0, 2, (6, 6))
-    cells = np.kron(cells, np.ones((8, 8), np.int64))
-    return np.where(cells, bright, dark).astype(np.uint8)
+    shades = np.array([dark, bright], np.uint8)[cells]
+    finer = max(2, 160 // len(cells))  # its largest side on a picture, in pixels: finer would not be seen
+    return cast("Grey", cv2.resize(shades, None, fx=finer, fy=finer, interpolation=cv2.INTER_NEAREST))
 
 
 def _paste(image: Grey, patch: Grey, rng: np.random.Generator, x: int, y: int) -> None:
@@ -123,13 +125,12 @@ def _paste(image: Grey, patch: Grey, rng: np.random.Generator, x: int, y: int) -
     turn = np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
     square = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]]) + rng.uniform(-0.08, 0.08, (4, 2))
     reach = math.ceil(side)
-    corners = side * square @ turn.T + reach
-    source = np.array([[0, 0], [size, 0], [size, size], [0, size]], np.float32) - 0.5
-    warp = cv2.getPerspectiveTransform(source, corners.astype(np.float32))
-    around = (2 * reach, 2 * reach)
-    drawn = cv2.warpPerspective(patch, warp, around, flags=cv2.INTER_LINEAR)
-    covered = cv2.warpPerspective(np.full_like(patch, 255), warp, around, flags=cv2.INTER_NEAREST) > 0
     left, top = max(0, x - reach), max(0, y - reach)
     right, bottom = min(width, x + reach), min(height, y + reach)
-    of_patch = np.s_[top - y + reach : bottom - y + reach, left - x + reach : right - x + reach]
-    np.copyto(image[top:bottom, left:right], drawn[of_patch], where=covered[of_patch])
+    corners = side * square @ turn.T + np.array([x - left, y - top])
+    source = np.array([[0, 0], [size, 0], [size, size], [0, size]], np.float32) - 0.5
+    warp = cv2.getPerspectiveTransform(source, corners.astype(np.float32))
+    below = image[top:bottom, left:right].copy()
+    image[top:bottom, left:right] = cv2.warpPerspective(
+        patch, warp, below.shape[::-1], dst=below, flags=cv2.INTER_LINEAR, borderMode=cv2.BORDER_TRANSPARENT
+    )

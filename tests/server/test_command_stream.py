@@ -4,6 +4,7 @@ import asyncio
 import json
 from collections.abc import AsyncGenerator
 
+import pytest
 import redis.asyncio
 
 from protocol.channels import COMMANDS
@@ -116,6 +117,7 @@ async def test_commands_go_by_the_short_way_while_nothing_waits_before_them() ->
     await stream.aclose()
 
 
+@pytest.mark.alone
 async def test_a_stream_of_short_ways_is_checked_and_kept_alive() -> None:
     feeds, allowed, written = CommandFeeds(), True, list[bytes]()
 
@@ -143,6 +145,7 @@ async def test_a_stream_of_short_ways_is_checked_and_kept_alive() -> None:
     assert len(written) > len(yielded) <= 1, "one may come while the stream wakes"
 
 
+@pytest.mark.alone
 async def test_something_is_said_every_half_second() -> None:
     feeds = CommandFeeds()
     feeds.stop(EmergencyStop(engaged=False))

@@ -70,6 +70,7 @@ async def test_it_survives_the_death_of_server_and_redis(redis_server: RedisServ
             assert (name, json.loads(data)) == ("emergency_stop", engaged)
 
 
+@pytest.mark.alone
 async def test_robots_hear_it_at_once_without_guidance(redis_url: str) -> None:
     async with served(redis_url) as (service, _), EventStream(service, "robot", ROBOT) as stream:
         name, data = await stream.event()

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import pytest
 from shapely.geometry import Polygon
 
+from geometry import angle_difference
 from protocol.lab import Area, Lab
 from protocol.messages import AssignmentState, Leg, Movement, ReasonCode, RobotSettings, Route
 from server.guidance.box import footprint_at
@@ -211,6 +212,40 @@ def test_a_pallet_put_on_the_detour_too_is_driven_around() -> None:
     simulation.pallets = [*simulation.pallets, square(x + 0.3, y, side=0.5)]
     assert drive(simulation) >= 0.15
     assert done(simulation)
+
+
+def test_after_turning_at_a_bend_the_line_begins_with_the_piece_that_the_robot_faces() -> None:
+    simulation = start()
+    simulation.pallets = [square(3.5, 2.0, side=0.6)]
+    turned = 0
+    before = Movement.WAITING
+    while simulation.elapsed_s < 60.0 and not done(simulation):
+        simulation.run(0.05)
+        assert simulation.outcome is not None
+        command = simulation.outcome.commands[ROBOT]
+        if (before, command.movement, code(simulation)) == (Movement.ROTATE, Movement.MOVE_TO, ReasonCode.DETOUR):
+            (x0, y0), (x1, y1) = command.path[:2]
+            faces = angle_difference(math.atan2(y1 - y0, x1 - x0), simulation.robots[ROBOT].pose.yaw)
+            assert abs(faces) < 0.2, "a controller that follows the line would turn back"
+            turned += 1
+        before = command.movement
+    assert turned >= 2
+
+
+def test_a_detour_to_a_waypoint_beside_a_pallet_does_not_end_on_its_rim() -> None:
+    simulation = start(Course([(4.0, 2.0), (4.6, 3.6)]))
+    simulation.pallets = [square(3.4, 1.9, side=0.5)]
+    ends: list[float] = []
+    while simulation.elapsed_s < 40.0 and not done(simulation):
+        simulation.run(0.1)
+        assert simulation.outcome is not None
+        if code(simulation) is ReasonCode.DETOUR and simulation.assignments[ROBOT].leg == 0:
+            path = simulation.outcome.states[ROBOT].path
+            ends.append(min(math.dist(point, (4.0, 2.0)) for point in path))
+    assert ends
+    assert max(ends) <= 0.12, "a robot that rounds the bend at the end would miss the waypoint"
+    assert done(simulation)
+    assert max(simulation.nearest[ROBOT]) <= 0.2
 
 
 def test_another_guidance_takes_over_in_the_middle_of_a_detour() -> None:
