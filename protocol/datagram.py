@@ -63,7 +63,7 @@ MESSAGES: dict[Kind, type[BaseModel | Struct]] = {
     Kind.SCAN: Scan,
     Kind.STOP: EmergencyStop,
 }
-_MESSAGES_BY_NUMBER = {int(kind): message for kind, message in MESSAGES.items()}
+_BY_NUMBER = {int(kind): (kind, message) for kind, message in MESSAGES.items()}
 _KINDS: dict[type[BaseModel | Struct], Kind] = {message: kind for kind, message in MESSAGES.items()}
 
 
@@ -132,9 +132,9 @@ def unpack(
             raise DecodeError("datagram is not signed, a key is configured")
         if not hmac.compare_digest(_signature(key, data[:body_size]), data[body_size:]):
             raise DecodeError("datagram signature does not match")
-    message_type = _MESSAGES_BY_NUMBER.get(kind_number)
-    if message_type is None:
+    if kind_number not in _BY_NUMBER:
         raise DecodeError(f"unknown datagram kind {kind_number}")
+    kind, message_type = _BY_NUMBER[kind_number]
     try:
         sender = data[_HEADER.size : _HEADER.size + sender_size].decode()
     except UnicodeDecodeError as error:
@@ -142,7 +142,7 @@ def unpack(
     if not sender:
         raise DecodeError("datagram without a sender")
     payload = data[_HEADER.size + sender_size : body_size]
-    reader = readers.get(Kind(kind_number))
+    reader = readers.get(kind)
     message = reader(payload) if reader is not None else None
     return Datagram(sender, sequence, stamp_ns, message or decode(message_type, payload), payload)
 

@@ -18,6 +18,9 @@ from server.intake.statuses import StatusIntake
 
 _AT_ONCE = 256
 """So many datagrams are taken before others on the loop have their turn."""
+_GATHER_S = 0.005
+"""So long after datagrams were taken the next are looked for. Robots' statuses wait for the next batch anyway, and to wake up for
+each of ten thousand a second took more processor time than to read it."""
 _LARGEST = 65536
 _QUEUE_BYTES = 4 << 20
 """Datagrams wait here while the loop is busy: what a thousand robots send in half a second, as the kernel counts it. Who is not
@@ -37,15 +40,14 @@ class StatusListener:
     @asynccontextmanager
     async def listening(self, bound: socket.socket) -> AsyncGenerator[None]:
         """Listens on the bound socket while entered, and closes it."""
-        loop = asyncio.get_running_loop()
         bound.setblocking(False)
         _widen(bound)
-        # Not a datagram endpoint: that takes one datagram per round of the loop.
-        loop.add_reader(bound, self._drain, bound)
+        taking = asyncio.create_task(self._take_all(bound))
         try:
             yield
         finally:
-            loop.remove_reader(bound)
+            taking.cancel()
+            await asyncio.wait([taking])
             bound.close()
 
     def forget(self, robot: str) -> None:
@@ -71,17 +73,25 @@ class StatusListener:
             losses=self._intake.losses(),
         )
 
-    def _drain(self, bound: socket.socket) -> None:
-        """Takes what has arrived."""
-        for _ in range(_AT_ONCE):
+    async def _take_all(self, bound: socket.socket) -> None:
+        """Not by a datagram endpoint: that has a round of the loop, and the process a wake-up, for every datagram."""
+        while True:
+            await _readable(bound)
+            while self._drain(bound):
+                await self._clock.sleep(_GATHER_S)
+
+    def _drain(self, bound: socket.socket) -> int:
+        """Takes what has arrived; how many."""
+        for count in range(_AT_ONCE):
             try:
                 data, address = bound.recvfrom(_LARGEST)
             except (BlockingIOError, InterruptedError):
-                return
+                return count
             except OSError as error:
                 self._intake.problem = f"socket: {error}"
-                return
+                return count
             self.datagram_received(data, address)
+        return _AT_ONCE
 
     def datagram_received(self, data: bytes, addr: tuple[str, int]) -> None:
         """Of one robot, or of anybody."""
@@ -97,6 +107,15 @@ class StatusListener:
     async def run(self) -> None:
         """Publishes what came in, until cancelled."""
         await self._intake.run()
+
+
+async def _readable(bound: socket.socket) -> None:
+    loop, readable = asyncio.get_running_loop(), asyncio.Event()
+    loop.add_reader(bound, readable.set)
+    try:
+        await readable.wait()
+    finally:
+        loop.remove_reader(bound)
 
 
 def _widen(bound: socket.socket) -> None:

@@ -11,7 +11,7 @@ from protocol import messages
 from protocol.channels import POSES, REGISTRATIONS, RESPONSES
 from protocol.errors import DecodeError
 from protocol.messages import Event, EventLevel, Registration
-from server.access import RobotId, ThisRobot, ThisRobotOrOperator, identify
+from server.access import RobotId, ThisRobot, ThisRobotOrOperator, still_stands
 from server.context import Context, Ctx
 from server.direct_writes import direct_write
 from server.errors import InvalidError, UnavailableError
@@ -37,7 +37,7 @@ class Introduction(Body):
     session: Annotated[str, Field(max_length=64)] = ""
 
 
-_REGISTRATIONS_HZ = 40.0
+_REGISTRATIONS_HZ = 25.0
 """So many a second are enough."""
 
 
@@ -124,7 +124,7 @@ async def stream_commands(
 
     async def may_listen() -> bool:
         try:
-            return await identify(request, context) is not None
+            return await still_stands(request, context)
         except (RedisError, OSError):
             return True  # the robot hears nothing new then, and stops by itself
 

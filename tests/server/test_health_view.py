@@ -9,7 +9,8 @@ from msgspec.structs import replace
 
 from protocol.channels import CHANNELS, COMMANDS, POSES, Channel, Delivery, Instances
 from protocol.messages import CameraState, IntakeState, ProcessState, Reason, ReasonCode, Status
-from server.health import HealthInputs, condition, health_view
+from server.health import condition, health_view
+from server.problems import HealthInputs
 from server.views.health import Condition, HealthView, RedisView, UdpView, losses
 from tests.server.samples import START_NS, camera_state
 from tests.server.service import gulliver
