@@ -176,9 +176,14 @@ class ReplayGuard:
 
     def check(self, datagram: Datagram, now_ns: int) -> Verdict:
         """Only FRESH ones are to be used; they move the sender's newest sequence on."""
-        verdict = self._judge(datagram, now_ns)
-        if verdict is Verdict.FRESH:
-            self._newest[datagram.sender] = datagram.sequence
+        sender, sequence = datagram.sender, datagram.sequence
+        if -self._max_ahead_ns <= now_ns - datagram.stamp_ns <= self._max_age_ns and sequence > self._newest.get(
+            sender, -1
+        ):
+            self._newest[sender] = sequence
+            verdict = Verdict.FRESH
+        else:
+            verdict = self._refused(datagram, now_ns)
         self.counts[verdict] += 1
         return verdict
 
@@ -186,16 +191,13 @@ class ReplayGuard:
         """Lets a sender start over, as after a registration with a clock that was set back."""
         self._newest.pop(sender, None)
 
-    def _judge(self, datagram: Datagram, now_ns: int) -> Verdict:
+    def _refused(self, datagram: Datagram, now_ns: int) -> Verdict:
         age_ns = now_ns - datagram.stamp_ns
         if age_ns > self._max_age_ns:
             return Verdict.OLD
         if -age_ns > self._max_ahead_ns:
             return Verdict.FUTURE
-        newest = self._newest.get(datagram.sender)
-        if newest is None or datagram.sequence > newest:
-            return Verdict.FRESH
-        return Verdict.DUPLICATE if datagram.sequence == newest else Verdict.OUT_OF_ORDER
+        return Verdict.DUPLICATE if datagram.sequence == self._newest[datagram.sender] else Verdict.OUT_OF_ORDER
 
 
 class Sequencer:

@@ -21,7 +21,8 @@ _AT_ONCE = 256
 _GATHER_S = 0.005
 """So long after datagrams were taken the next are looked for. Robots' statuses wait for the next batch anyway, and to wake up for
 each of ten thousand a second took more processor time than to read it."""
-_LARGEST = 65536
+_LARGEST = 4096
+"""More than any of ours has: what is cut off here is refused for its length."""
 _QUEUE_BYTES = 4 << 20
 """Datagrams wait here while the loop is busy: what a thousand robots send in half a second, as the kernel counts it. Who is not
 the administrator gets less where the kernel's limit (net.core.rmem_max) is lower."""
@@ -82,15 +83,16 @@ class StatusListener:
 
     def _drain(self, bound: socket.socket) -> int:
         """Takes what has arrived; how many."""
+        receive, take = bound.recvfrom, self.datagram_received
         for count in range(_AT_ONCE):
             try:
-                data, address = bound.recvfrom(_LARGEST)
+                data, address = receive(_LARGEST)
             except (BlockingIOError, InterruptedError):
                 return count
             except OSError as error:
                 self._intake.problem = f"socket: {error}"
                 return count
-            self.datagram_received(data, address)
+            take(data, address)
         return _AT_ONCE
 
     def datagram_received(self, data: bytes, addr: tuple[str, int]) -> None:
