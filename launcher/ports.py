@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from launcher.errors import UsageError
-from launcher.processes import REDIS, SERVER, ProcessInstance
+from launcher.processes import INTAKE, REDIS, SERVER, ProcessInstance
 from protocol.lab import Lab
 
 
@@ -29,6 +29,7 @@ def needed_ports(lab: Lab, processes: Iterable[ProcessInstance], host: str, http
         ports.append(_in_lab_file("Redis for GPSS robots", socket.SOCK_STREAM, host, lab.ports.redis, "redis"))
     if SERVER in kinds:
         ports.append(Port("the console", socket.SOCK_STREAM, host, http_port, "give another with --http-port"))
+    if INTAKE in kinds:
         ports.append(_in_lab_file("robots' datagrams", socket.SOCK_DGRAM, host, lab.ports.robots_udp, "robots_udp"))
     if "scene" in kinds:
         ports.append(_in_lab_file("the 3D scene", socket.SOCK_STREAM, "127.0.0.1", lab.ports.scene, "scene"))

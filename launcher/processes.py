@@ -13,6 +13,7 @@ from protocol.lab import GPSS_DRIVER, Lab
 
 REDIS = "redis"
 SERVER = "server"
+INTAKE = "intake"
 
 Restart = Literal["always", "never"]
 
@@ -77,6 +78,7 @@ PROCESSES = (
     ProcessKind(REDIS, (), "without REDIS_URL: a private server", _always),
     ProcessKind("lab", ("-m", "lab"), "when any camera or vehicle is simulated", _when_simulated, starts_first=True),
     ProcessKind(SERVER, ("-m", "server"), "always", _always, starts_first=True),
+    ProcessKind(INTAKE, ("-m", "server.intake"), "always", _always),
     ProcessKind("guidance", ("-m", "server.guidance"), "always", _always),
     ProcessKind("scene", ("-m", "server.scene"), "always", _always, niceness=10),
     ProcessKind("camera", ("-m", "localization.camera", "{id}"), "one per camera", _cameras, niceness=3),

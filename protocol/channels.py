@@ -23,6 +23,7 @@ from protocol.messages import (
     FrameDetections,
     GroundTruth,
     GuidanceState,
+    IntakeState,
     ManualDrive,
     ProcessState,
     Registration,
@@ -71,12 +72,13 @@ POSES = Channel("poses", TrackedPose, Instances.VEHICLE, "tracker", 15.0, 0.5)
 OBSTACLES = Channel("obstacles", FloorRaster, Instances.LAB, "mapper", 10.0, 1.0)
 COMMANDS = Channel("commands", Command, Instances.VEHICLE, "guidance", 10.0, 0.5)
 GUIDANCE = Channel("guidance", GuidanceState, Instances.VEHICLE, "guidance", 10.0, 0.5)
-REGISTRATIONS = Channel("registrations", Registration, Instances.VEHICLE, "agent", 0.2, 15.0)
+REGISTRATIONS = Channel("registrations", Registration, Instances.VEHICLE, "agent", 0.2, 60.0)
 STATUSES = Channel("statuses", Status, Instances.VEHICLE, "agent", 10.0, 1.0)
 MANUAL = Channel("manual", ManualDrive, Instances.VEHICLE, "server", 0.0, 0.0)
 SIGHTINGS = Channel("sightings", FloorTagSighting, Instances.CAMERA, "camera", 0.0, 0.0)
 CALIBRATION_RUNS = Channel("calibration_runs", CalibrationRun, Instances.LAB, "calibrator", 0.0, 0.0)
 EMERGENCY_STOP = Channel("emergency_stop", EmergencyStop, Instances.LAB, "server", 0.0, 0.0)
+INTAKE = Channel("intake", IntakeState, Instances.LAB, "intake", 1.0, 5.0)
 PROCESSES = Channel("processes", ProcessState, Instances.PROCESS, "launcher", 1.0, 5.0)
 GROUND_TRUTH = Channel("ground_truth", GroundTruth, Instances.LAB, "lab", 50.0, 1.0)
 RESPONSES = Channel("responses", Response, Instances.VEHICLE, "agent", 0.0, 0.0, Delivery.EVERY)
@@ -96,6 +98,7 @@ CHANNELS: tuple[Channel[Any], ...] = (
     SIGHTINGS,
     CALIBRATION_RUNS,
     EMERGENCY_STOP,
+    INTAKE,
     PROCESSES,
     GROUND_TRUTH,
     RESPONSES,

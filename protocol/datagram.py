@@ -63,7 +63,7 @@ MESSAGES: dict[Kind, type[BaseModel | Struct]] = {
     Kind.SCAN: Scan,
     Kind.STOP: EmergencyStop,
 }
-_MESSAGES_BY_NUMBER = {int(kind): message for kind, message in MESSAGES.items()}
+_BY_NUMBER = {int(kind): (kind, message) for kind, message in MESSAGES.items()}
 _KINDS: dict[type[BaseModel | Struct], Kind] = {message: kind for kind, message in MESSAGES.items()}
 
 
@@ -132,9 +132,9 @@ def unpack(
             raise DecodeError("datagram is not signed, a key is configured")
         if not hmac.compare_digest(_signature(key, data[:body_size]), data[body_size:]):
             raise DecodeError("datagram signature does not match")
-    message_type = _MESSAGES_BY_NUMBER.get(kind_number)
-    if message_type is None:
+    if kind_number not in _BY_NUMBER:
         raise DecodeError(f"unknown datagram kind {kind_number}")
+    kind, message_type = _BY_NUMBER[kind_number]
     try:
         sender = data[_HEADER.size : _HEADER.size + sender_size].decode()
     except UnicodeDecodeError as error:
@@ -142,7 +142,7 @@ def unpack(
     if not sender:
         raise DecodeError("datagram without a sender")
     payload = data[_HEADER.size + sender_size : body_size]
-    reader = readers.get(Kind(kind_number))
+    reader = readers.get(kind)
     message = reader(payload) if reader is not None else None
     return Datagram(sender, sequence, stamp_ns, message or decode(message_type, payload), payload)
 
@@ -176,9 +176,14 @@ class ReplayGuard:
 
     def check(self, datagram: Datagram, now_ns: int) -> Verdict:
         """Only FRESH ones are to be used; they move the sender's newest sequence on."""
-        verdict = self._judge(datagram, now_ns)
-        if verdict is Verdict.FRESH:
-            self._newest[datagram.sender] = datagram.sequence
+        sender, sequence = datagram.sender, datagram.sequence
+        if -self._max_ahead_ns <= now_ns - datagram.stamp_ns <= self._max_age_ns and sequence > self._newest.get(
+            sender, -1
+        ):
+            self._newest[sender] = sequence
+            verdict = Verdict.FRESH
+        else:
+            verdict = self._refused(datagram, now_ns)
         self.counts[verdict] += 1
         return verdict
 
@@ -186,16 +191,13 @@ class ReplayGuard:
         """Lets a sender start over, as after a registration with a clock that was set back."""
         self._newest.pop(sender, None)
 
-    def _judge(self, datagram: Datagram, now_ns: int) -> Verdict:
+    def _refused(self, datagram: Datagram, now_ns: int) -> Verdict:
         age_ns = now_ns - datagram.stamp_ns
         if age_ns > self._max_age_ns:
             return Verdict.OLD
         if -age_ns > self._max_ahead_ns:
             return Verdict.FUTURE
-        newest = self._newest.get(datagram.sender)
-        if newest is None or datagram.sequence > newest:
-            return Verdict.FRESH
-        return Verdict.DUPLICATE if datagram.sequence == newest else Verdict.OUT_OF_ORDER
+        return Verdict.DUPLICATE if datagram.sequence == self._newest[datagram.sender] else Verdict.OUT_OF_ORDER
 
 
 class Sequencer:

@@ -1,6 +1,7 @@
 """The life of a process that is a few endless asyncio tasks: until one fails, or until SIGTERM or SIGINT."""
 
 import asyncio
+import gc
 import signal
 from collections.abc import Coroutine
 from typing import Any
@@ -8,10 +9,20 @@ from typing import Any
 import uvloop
 
 _CANCEL_EVERY_S = 0.1
+_COLLECT_AFTER = (20_000, 20, 20)
+"""Containers that are new, then collections of each generation, before the next older one's (Python: 700, 10, 10)."""
 
 
 def run(work: Coroutine[Any, Any, None]) -> None:
-    """As `asyncio.run`, on libuv's loop: a process that mostly passes datagrams on takes a tenth less processor time."""
+    """As `asyncio.run`, on libuv's loop: a process that mostly passes datagrams on takes a tenth less processor time.
+
+    What was made before stays until the end, so the garbage collector need not look through it: imported modules are some
+    hundred thousand objects, and a look through them holds up everything for a tenth of a second, several times a second where
+    thousands of messages come and go.
+    """
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(*_COLLECT_AFTER)
     with asyncio.Runner(loop_factory=uvloop.new_event_loop) as runner:
         runner.run(work)
 

@@ -1,8 +1,6 @@
 """Puts the service together: routes, refusals, headers, and what lives as long as the app does."""
 
 import asyncio
-import logging
-import socket
 from collections.abc import AsyncGenerator, Awaitable, Callable
 from contextlib import AsyncExitStack, asynccontextmanager
 
@@ -18,6 +16,7 @@ from server import refusals
 from server.auth.passwords import Passwords
 from server.configuration import Configuration
 from server.context import Context
+from server.going_on import for_ever
 from server.live.hub import LiveHub
 from server.methods import AllowedMethods
 from server.routes import (
@@ -38,7 +37,6 @@ from server.routes import (
     timings,
 )
 from server.security_headers import SecurityHeaders
-from server.status_listener import StatusListener
 
 _ROUTES = (
     session,
@@ -56,9 +54,7 @@ _ROUTES = (
     live,
 )
 _LARGEST_BODY = 1 << 20
-_RESTART_S = 1.0
 _CANCEL_AGAIN_S = 0.1
-_logger = logging.getLogger(__name__)
 
 _DESCRIPTION = """Fleet control of a lab or factory floor: waypoints, routes, robots, cameras, the emergency stop.
 
@@ -71,26 +67,22 @@ The live stream is a WebSocket at `/api/live`: a `LiveSnapshot`, then `LiveChang
 def create_app(
     configuration: Configuration,
     lab_description: Lab,
-    robots: socket.socket,
     clock: Clock | None = None,
     passwords: Passwords | None = None,
 ) -> FastAPI:
-    """The app of one server; `robots` is the bound socket for their datagrams. Nothing is opened before its lifespan
-    begins."""
+    """The app of one server. Nothing is opened before its lifespan begins."""
     clock = clock or SystemClock()
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncGenerator[None]:
         async with AsyncExitStack() as stack:
             bus = await stack.enter_async_context(_bus(configuration.redis_url, clock))
-            listener = StatusListener(bus, lab_description, clock, configuration.udp_key)
-            await stack.enter_async_context(listener.listening(robots))
-            hub = LiveHub(bus, lab_description, clock, listener.view, listener.losses)
+            hub = LiveHub(bus, lab_description, clock)
             scene = await stack.enter_async_context(_scene_client(configuration.scene_port))
             app.state.context = Context.build(
-                configuration, lab_description, clock, bus, hub, listener, scene, passwords or Passwords()
+                configuration, lab_description, clock, bus, hub, scene, passwords or Passwords()
             )
-            await stack.enter_async_context(_running(clock, *hub.parts(), listener.run))
+            await stack.enter_async_context(_running(clock, *hub.parts()))
             stack.callback(hub.feeds.close)
             yield
 
@@ -151,7 +143,7 @@ async def _scene_client(port: int) -> AsyncGenerator[httpx.AsyncClient]:
 @asynccontextmanager
 async def _running(clock: Clock, *functions: Callable[[], Awaitable[None]]) -> AsyncGenerator[None]:
     """Runs them beside the app until it ends."""
-    tasks = [asyncio.create_task(_for_ever(function, clock)) for function in functions]
+    tasks = [asyncio.create_task(for_ever(function, clock)) for function in functions]
     try:
         yield
     finally:
@@ -161,13 +153,3 @@ async def _running(clock: Clock, *functions: Callable[[], Awaitable[None]]) -> A
             for task in waiting:
                 task.cancel()
             await asyncio.wait(waiting, timeout=_CANCEL_AGAIN_S)
-
-
-async def _for_ever(function: Callable[[], Awaitable[None]], clock: Clock) -> None:
-    """What fails for a reason that nobody foresaw is logged and begun again: one bad message must not end the service."""
-    while True:
-        try:
-            await function()
-        except Exception:
-            _logger.exception("%s failed, beginning again", getattr(function, "__qualname__", function))
-        await clock.sleep(_RESTART_S)

@@ -10,7 +10,7 @@ from protocol.settings import Settings
 
 @dataclass(frozen=True, slots=True)
 class Configuration:
-    """Where to listen, what to serve. The UDP key is left out of `repr`."""
+    """Where to listen, what to serve, and to which port robots send their statuses."""
 
     host: str
     http_port: int
@@ -18,7 +18,6 @@ class Configuration:
     scene_port: int
     redis_url: str = field(repr=False)
     console: Path
-    udp_key: bytes | None = field(default=None, repr=False)
     state: Path = Path(".lilliput")
 
 
@@ -34,6 +33,5 @@ def configuration(settings: Settings, lab: Lab, environment: Mapping[str, str], 
         scene_port=lab.ports.scene,
         redis_url=settings.redis_url,
         console=console,
-        udp_key=settings.udp_key,
         state=settings.state,
     )

@@ -30,7 +30,6 @@ from server.repositories.simulated_objects import SimulatedObjectRepository
 from server.repositories.speed_zones import SpeedZoneRepository
 from server.repositories.tokens import TokenRepository
 from server.repositories.users import UserRepository
-from server.status_listener import StatusListener
 
 
 @dataclass(slots=True)
@@ -42,7 +41,6 @@ class Context:
     clock: Clock
     bus: Bus
     hub: LiveHub
-    listener: StatusListener
     scene: httpx.AsyncClient
     passwords: Passwords
     throttle: LoginThrottle
@@ -71,7 +69,6 @@ class Context:
         clock: Clock,
         bus: Bus,
         hub: LiveHub,
-        listener: StatusListener,
         scene: httpx.AsyncClient,
         passwords: Passwords,
     ) -> "Context":
@@ -83,7 +80,6 @@ class Context:
             clock=clock,
             bus=bus,
             hub=hub,
-            listener=listener,
             scene=scene,
             passwords=passwords,
             throttle=LoginThrottle(clock),

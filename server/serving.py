@@ -84,15 +84,3 @@ def listening(host: str, port: int, dead_after_ms: int = _DEAD_AFTER_MS) -> sock
         made.close()
         raise
     return made
-
-
-def datagrams(host: str, port: int) -> socket.socket:
-    """A bound UDP socket; port 0 takes a free one. OSError when the port is in use."""
-    made = socket.socket(socket.AF_INET6 if ":" in host else socket.AF_INET, socket.SOCK_DGRAM)
-    try:
-        made.bind((host, port))
-        made.setblocking(False)
-    except OSError:
-        made.close()
-        raise
-    return made

@@ -71,10 +71,10 @@ class Robot:
 
 
 class ClosedLoop:
-    """Steps through the world's time. What may fail: `server_up`, `guidance_up`, `tracker_up`, the store's `up`, the sight's
-    `dark` cameras, each robot's agent, its links, and the links between the others: `tracked` from the cameras by way of the
-    tracker to Redis, `rasters` from the cameras to the mapper, `orders` from guidance to the server. `obstacles_seen` is false
-    where no camera is to see what stands on the floor."""
+    """Steps through the world's time. What may fail: `server_up`, `intake_up`, `guidance_up`, `tracker_up`, the store's `up`, the
+    sight's `dark` cameras, each robot's agent, its links, and the links between the others: `tracked` from the cameras by way
+    of the tracker to Redis, `rasters` from the cameras to the mapper, `orders` from guidance to the server. `obstacles_seen` is
+    false where no camera is to see what stands on the floor."""
 
     def __init__(
         self,
@@ -91,7 +91,7 @@ class ClosedLoop:
         self.times = latencies or Latencies()
         self.world = World(lab, seed)
         self.store, self.sight = SimulatedStore(), Sight(lab, seed)
-        self.server_up = self.guidance_up = self.tracker_up = True
+        self.server_up = self.intake_up = self.guidance_up = self.tracker_up = True
         self.obstacles_seen = True
         self.outcome: Outcome | None = None
         self.now_s = 0.0
@@ -157,7 +157,7 @@ class ClosedLoop:
         for name, robot in self.robots.items():
             self._serve(robot)
             for status in robot.statuses.due(self.now_s):
-                if self.server_up and self.store.up:
+                if self.intake_up and self.store.up:
                     self.store.statuses[name] = status
             if robot.agent is not None:
                 self._act(name, robot, robot.agent)

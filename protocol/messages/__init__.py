@@ -58,7 +58,7 @@ from protocol.messages.simulated import (
     SimulatedObject,
     TruePose,
 )
-from protocol.messages.system import Event, EventLevel, ProcessState
+from protocol.messages.system import Event, EventLevel, IntakeState, ProcessState
 
 __all__ = [
     "Assignment",
@@ -86,6 +86,7 @@ __all__ = [
     "FrameDetections",
     "GroundTruth",
     "GuidanceState",
+    "IntakeState",
     "Leg",
     "ManualDrive",
     "Mode",

@@ -5,11 +5,11 @@ from server.repositories.tokens import digest
 from server.roles import Identity
 
 _FOR_S = 12 * 3600.0
-_MOST = 1000
+_MOST = 10_000
 
 
 class KnownCredentials:
-    """Identities by the digest of their cookie or token, of the last twelve hours, the latest thousand."""
+    """Identities by the digest of their cookie or token, of the last twelve hours, the latest ten thousand."""
 
     def __init__(self, clock: Clock) -> None:
         self._clock = clock

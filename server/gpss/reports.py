@@ -1,5 +1,5 @@
 """What a GPSS robot says: its documents checked and turned into our statuses and responses; what is not right is counted and
-told as datagrams are (`server.status_intake`)."""
+told as datagrams are (`server.intake.statuses`)."""
 
 from typing import TypeVar
 
@@ -10,7 +10,7 @@ from protocol.errors import DecodeError
 from protocol.gpss import LARGEST_DOCUMENT, GpssResponse, GpssStatus, Name, key
 from protocol.messages import Movement, Outcome, Response, Status, Target
 from server.gpss.orders import RobotOrders, Sent
-from server.status_intake import StatusIntake
+from server.intake.statuses import StatusIntake
 
 M = TypeVar("M", GpssStatus, GpssResponse)
 

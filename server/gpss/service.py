@@ -23,10 +23,10 @@ from protocol.messages import Command, EmergencyStop, Response, TrackedPose
 from server.gpss.access import RedisAccess
 from server.gpss.orders import RobotOrders
 from server.gpss.reports import RobotReports
+from server.intake.statuses import StatusIntake
 from server.live.feeds import CommandFeeds
 from server.repositories.documents import Store
 from server.repositories.emergency_stop import read_emergency_stop
-from server.status_intake import StatusIntake
 
 _WRITE_EVERY_S = 0.1
 """When nothing is new: `Waiting` has to be repeated."""

@@ -1,14 +1,13 @@
 """`python -m server.guidance`: the process that tells every robot ten times a second what to do."""
 
 import argparse
-import asyncio
 import logging
 
+from protocol import lifetime
 from protocol.bus import Bus
 from protocol.clock import SystemClock
 from protocol.errors import LabFileError
-from protocol.lab import load_lab
-from protocol.lifetime import run_until_signal
+from protocol.lab import Lab, load_lab
 from protocol.settings import Settings
 from server.guidance.parameters import GuidanceParameters
 from server.guidance.service import GuidanceService
@@ -36,19 +35,20 @@ def main() -> None:
     except ValueError as error:
         parser.error(str(error))
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(levelname)s %(name)s: %(message)s")
-    asyncio.run(_run(Settings.from_environment(), parameters))
-
-
-async def _run(settings: Settings, parameters: GuidanceParameters) -> None:
+    settings = Settings.from_environment()
     try:
         lab = load_lab(settings.lab)
     except LabFileError as error:
-        raise SystemExit(str(error)) from error
+        raise SystemExit(str(error)) from None
     _logger.info("guiding %s with %s", ", ".join(v.id for v in lab.vehicles) or "no vehicle", parameters)
+    lifetime.run(_run(settings, lab, parameters))
+
+
+async def _run(settings: Settings, lab: Lab, parameters: GuidanceParameters) -> None:
     clock = SystemClock()
     bus = Bus.connect(settings.redis_url, clock)
     try:
-        await run_until_signal(GuidanceService(lab, bus.redis, clock, parameters).run())
+        await lifetime.run_until_signal(GuidanceService(lab, bus.redis, clock, parameters).run())
     finally:
         await bus.close()
 

@@ -5,7 +5,17 @@ from typing import Any, cast
 
 from protocol import keys
 from protocol.bus import Bus
-from protocol.channels import COMMANDS, GUIDANCE, MANUAL, POSES, REGISTRATIONS, RESPONSES, STATUSES
+from protocol.channels import (
+    COMMANDS,
+    GUIDANCE,
+    INTAKE,
+    LAB_INSTANCE,
+    MANUAL,
+    POSES,
+    REGISTRATIONS,
+    RESPONSES,
+    STATUSES,
+)
 from protocol.codec import decode
 from protocol.errors import DecodeError
 from protocol.messages import CameraExtrinsics, Response
@@ -13,12 +23,13 @@ from server.repositories.documents import Store
 from server.repositories.emergency_stop import read_emergency_stop
 from server.repositories.plan import ASSIGNMENTS
 from server.repositories.robot_settings import ROBOT_SETTINGS
+from server.views.health import losses
 from server.views.robots import FleetState
 
 _PAGE = 500
 
 
-async def read_fleet(bus: Bus) -> FleetState:
+async def read_fleet(bus: Bus, now_ns: int) -> FleetState:
     """The newest of everything about robots. BusUnavailableError or redis' own while Redis is out of reach."""
     store = Store(bus.redis)
     return FleetState(
@@ -30,6 +41,7 @@ async def read_fleet(bus: Bus) -> FleetState:
         manual=await bus.latest_all(MANUAL),
         assignments=await store.all(ASSIGNMENTS),
         settings=await store.all(ROBOT_SETTINGS),
+        losses=losses((await bus.latest_all(INTAKE)).get(LAB_INSTANCE), now_ns),
         emergency_stop=await read_emergency_stop(store),
     )
 

@@ -11,7 +11,7 @@ from protocol import messages
 from protocol.channels import POSES, REGISTRATIONS, RESPONSES
 from protocol.errors import DecodeError
 from protocol.messages import Event, EventLevel, Registration
-from server.access import RobotId, ThisRobot, ThisRobotOrOperator, identify
+from server.access import RobotId, ThisRobot, ThisRobotOrOperator, still_stands
 from server.context import Context, Ctx
 from server.direct_writes import direct_write
 from server.errors import InvalidError, UnavailableError
@@ -37,7 +37,7 @@ class Introduction(Body):
     session: Annotated[str, Field(max_length=64)] = ""
 
 
-_REGISTRATIONS_HZ = 40.0
+_REGISTRATIONS_HZ = 25.0
 """So many a second are enough."""
 
 
@@ -70,20 +70,21 @@ async def register_robot(
         raise UnavailableError("Redis is out of reach; register again")
     context.introduced[robot_id] = registration.session
     if known != registration.session:
-        context.listener.forget(robot_id)
         text = f"{robot_id} registered from {registration.host}:{registration.udp_port}"
         now_ns = context.clock.now_ns()
         event = Event(stamp_ns=now_ns, level=EventLevel.INFO, source=identity.name, kind="robot_registered", text=text)
         await record(context.bus, event)
     return RegistrationView(
-        robots_udp=context.listener.port, pose_rate_hz=POSES.rate_hz, again_s=_again_s(len(context.lab.vehicles))
+        robots_udp=context.configuration.udp_port,
+        pose_rate_hz=POSES.rate_hz,
+        again_s=_again_s(len(context.lab.vehicles)),
     )
 
 
 def _again_s(robots: int) -> float:
     """As often as the channel says; a large fleet's robots less often, but before they count as missing."""
     usual_s = 1.0 / REGISTRATIONS.rate_hz
-    return min(max(usual_s, robots / _REGISTRATIONS_HZ), 0.8 * REGISTRATIONS.stale_after_s)
+    return min(max(usual_s, robots / _REGISTRATIONS_HZ), 0.75 * REGISTRATIONS.stale_after_s)
 
 
 async def _registered_session(context: Context, robot_id: str) -> str | None:
@@ -123,7 +124,7 @@ async def stream_commands(
 
     async def may_listen() -> bool:
         try:
-            return await identify(request, context) is not None
+            return await still_stands(request, context)
         except (RedisError, OSError):
             return True  # the robot hears nothing new then, and stops by itself
 

@@ -52,9 +52,8 @@ class Twist(Body):
 @router.get("", summary="All robots", responses=refusals())
 async def list_robots(_identity: Viewer, context: Ctx) -> list[RobotView]:
     """Every robot of the lab description with all that is known of it."""
-    fleet = await read_fleet(context.bus)
-    fleet.losses = context.listener.losses()
     now_ns = context.clock.now_ns()
+    fleet = await read_fleet(context.bus, now_ns)
     return [robot_view(vehicle, fleet, now_ns) for vehicle in context.lab.vehicles]
 
 
@@ -62,9 +61,8 @@ async def list_robots(_identity: Viewer, context: Ctx) -> list[RobotView]:
 async def get_robot(_identity: Viewer, robot_id: RobotId, context: Ctx) -> RobotView:
     """All that is known of the robot."""
     vehicle = context.vehicle(robot_id)
-    fleet = await read_fleet(context.bus)
-    fleet.losses = context.listener.losses()
-    return robot_view(vehicle, fleet, context.clock.now_ns())
+    now_ns = context.clock.now_ns()
+    return robot_view(vehicle, await read_fleet(context.bus, now_ns), now_ns)
 
 
 @router.get("/{robot_id}/responses", summary="What a robot answered", responses=refusals(404))

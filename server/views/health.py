@@ -1,12 +1,14 @@
 """What the system says of its health, and what is missing since when (spec console: an empty console must say why)."""
 
+from collections.abc import Mapping
 from enum import StrEnum
 from typing import Literal
 
 from pydantic import Field
 
-from protocol.messages import ProcessState
-from server.views.base import View
+from protocol.channels import INTAKE
+from protocol.messages import IntakeState, ProcessState
+from server.views.base import View, age_s
 
 
 class Condition(StrEnum):
@@ -42,9 +44,9 @@ class ProblemView(View):
 
 
 class UdpView(View):
-    """What became of the datagrams that robots sent, counted since the server started."""
+    """What became of the datagrams that robots sent, counted since the intake started."""
 
-    listening: bool
+    listening: bool = Field(description="Whether the intake says so; the counts are what it said last.")
     received: int
     accepted: int
     undecodable: int = Field(
@@ -58,6 +60,27 @@ class UdpView(View):
     duplicate: int
     out_of_order: int
     last_problem: str | None
+
+    @classmethod
+    def of(cls, state: IntakeState | None, now_ns: int) -> "UdpView":
+        """What the intake said last, nothing of anything when it never said any."""
+        if state is None:
+            return cls(listening=False, last_problem=None, **dict.fromkeys(_COUNTS, 0))
+        counts = {name: getattr(state, name) for name in _COUNTS}
+        return cls(listening=is_fresh(state, now_ns), last_problem=state.last_problem, **counts)
+
+
+_COUNTS = tuple(name for name in UdpView.model_fields if name not in ("listening", "last_problem"))
+
+
+def is_fresh(state: IntakeState, now_ns: int) -> bool:
+    """Whether the intake still says something."""
+    return age_s(state.stamp_ns, now_ns) <= INTAKE.stale_after_s
+
+
+def losses(state: IntakeState | None, now_ns: int) -> Mapping[str, float]:
+    """By robot: the share of its statuses of the last seconds that did not arrive; empty when that is not known."""
+    return state.losses if state is not None and is_fresh(state, now_ns) else {}
 
 
 class RedisView(View):

@@ -17,6 +17,7 @@ import numpy as np
 
 from launcher.errors import LauncherError, UsageError
 from launcher.output import Result, progress
+from protocol.channels import INTAKE
 from protocol.clock import Clock, SystemClock
 from tests.bench.fleet_lab import write_fleet_lab
 from tests.bench.fleet_observer import Ages, follow_console, follow_fleet
@@ -25,7 +26,7 @@ from tests.bench.fleet_system import System, running
 
 FLEETS = (10, 100, 1000)
 _WARM_UP_S = 5.0
-_SETTLE_S = 0.5
+_SETTLE_S = 0.5 + 2.0 / INTAKE.rate_hz
 _UP_S = 180.0
 _END_S = 10.0
 
@@ -33,7 +34,7 @@ _END_S = 10.0
 @dataclass(frozen=True, slots=True)
 class Run:
     """One fleet's: what the robots met, what the observers saw (of the console only where one watched), the processor time by
-    process while robots counted (s), the most memory by process (MB), and how many statuses the server accepted and the fleet
+    process while robots counted (s), the most memory by process (MB), and how many statuses the intake accepted and the fleet
     state showed since the start."""
 
     robots: int

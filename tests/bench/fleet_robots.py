@@ -23,7 +23,8 @@ _HOST = "127.0.0.1"
 _CONNECT_S = 120.0
 _AT_ONCE = 50
 """So many robots come up at the same time."""
-_SLICE_S = 0.001
+_SLICE_S = 0.004
+"""So long it waits for something to hear before it sends what is due."""
 _RETRY_S = 0.5
 """After the server refused or hung up, as agents do at first."""
 _PIECE = 65536

@@ -1,5 +1,5 @@
-"""The system under load: Redis, server and guidance as `./lilliput up` starts them, each a process of its own, and what they
-use of the machine."""
+"""The system under load: Redis, server, intake and guidance as `./lilliput up` starts them, each a process of its own, and what
+they use of the machine."""
 
 import asyncio
 import os
@@ -18,7 +18,7 @@ import redis
 from launcher.child import GUARD
 from launcher.environment import SystemSettings, child_environment, python_argv, server_url
 from launcher.errors import LauncherError
-from launcher.processes import REDIS, SERVER, expand
+from launcher.processes import INTAKE, REDIS, SERVER, expand
 from launcher.redis_server import find_redis_server, prepare_folders, private_url, redis_argv, wait_for_redis
 from protocol import keys
 from protocol.clock import SystemClock
@@ -27,7 +27,7 @@ from protocol.lab import Lab
 from server.repositories.tokens import TokenRecord, digest
 from server.roles import Role
 
-MEASURED = (REDIS, SERVER, "guidance")
+MEASURED = (REDIS, SERVER, INTAKE, "guidance")
 _START_S = 120.0
 _END_S = 10.0
 _LINES = 12
@@ -56,7 +56,7 @@ class System:
 
 @contextmanager
 def running(lab: Lab, lab_file: Path, folder: Path) -> Generator[System]:
-    """All three, answering; ended afterwards. LauncherError when one does not start."""
+    """All four, answering; ended afterwards. LauncherError when one does not start."""
     state, url = folder / "state", server_url("127.0.0.1", lab.ports.http)
     redis_url, key = private_url(state, opened=False), secrets.token_bytes(32)
     settings = SystemSettings(lab_file, state, redis_url, "127.0.0.1", lab.ports.http, url, key.hex())

@@ -11,14 +11,15 @@ from dataclasses import dataclass
 
 from launcher.closed_loop import ClosedLoop, Latencies, Link
 from launcher.experiments.fleets import with_fleet
+from protocol.channels import STATUSES
 from protocol.lab import Lab, load_lab
 from protocol.messages import AssignmentState, Command, EmergencyStop, Movement, ReasonCode
 
 ROBOTS = 10
 SPEED_MPS = 0.3
 COLUMNS = 5
-FAULT_S, AGAIN_S = 0.85, 4.0
-"""How long a fault lasts, and within what time after its end robots must drive again."""
+STANDING_S, AGAIN_S = 0.6, 4.0
+"""How long a fault lasts beyond its limit, and within what time after its end robots must drive again."""
 TIMES = Latencies(pose_period_s=2 / 15, guidance_period_s=0.2)
 """Rarer than deployed, and the cheaper estimator, for speed."""
 DEAD_MAN_S = 0.5
@@ -27,6 +28,9 @@ LATE_S = 0.05 + 0.09 + 0.04
 """A round of the control loop, what is on its way already, the motors' delay and a step of the world."""
 WATCHDOG_S = 0.3
 """Of the base itself."""
+TOLD_S = DEAD_MAN_S + TIMES.guidance_period_s
+UNHEARD_S = STATUSES.stale_after_s + TIMES.guidance_period_s
+"""Where guidance has to notice that a pose, or a status, is too old: until the cycle after that."""
 MOVES = (Movement.MOVE_TO, Movement.ROTATE, Movement.DRIVE)
 
 
@@ -93,6 +97,10 @@ class Fault:
     cut_off: Callable[[ClosedLoop], Sequence[str]]
     reasons: tuple[ReasonCode, ...] = ()
     limit_s: float = DEAD_MAN_S
+
+    @property
+    def lasts_s(self) -> float:
+        return self.limit_s + STANDING_S
 
 
 def everybody(loop: ClosedLoop) -> list[str]:
@@ -193,6 +201,7 @@ def _links(loop: ClosedLoop, *, all_robots: bool = False) -> list[Link[object]]:
 STALE = (ReasonCode.COMMAND_STALE, ReasonCode.POSE_STALE)
 TABLE = (
     Fault("server dies", set_to("server_up", False), set_to("server_up", True), everybody, STALE),
+    Fault("intake dies", set_to("intake_up", False), set_to("intake_up", True), everybody, limit_s=UNHEARD_S),
     Fault("guidance dies", guidance_dies, set_to("guidance_up", True), everybody, STALE),
     Fault("Redis dies", redis_is(False), redis_is(True), everybody, STALE),
     Fault("tracker dies", set_to("tracker_up", False), set_to("tracker_up", True), everybody, (ReasonCode.POSE_STALE,)),
@@ -201,7 +210,13 @@ TABLE = (
     Fault("one-way cuts", one_way_cuts(True), one_way_cuts(False), numbered(0, 1, 2, 3, 4, 5, 8, 9), STALE),
     Fault("30 % loss everywhere", losses(0.3), losses(0.0), nobody),
     Fault("300 ms delay", delays(0.3), delays(0.0), nobody),
-    Fault("tracker to Redis cut", between_servers("tracked", cut=True), between_servers("tracked"), everybody),
+    Fault(
+        "tracker to Redis cut",
+        between_servers("tracked", cut=True),
+        between_servers("tracked"),
+        everybody,
+        limit_s=TOLD_S,
+    ),
     Fault("guidance to server cut", between_servers("orders", cut=True), between_servers("orders"), everybody, STALE),
     Fault("300 ms delay between servers", servers_are_late(0.3), servers_are_late(0.0), nobody),
     Fault("cameras to mapper cut", between_servers("rasters", cut=True), between_servers("rasters"), nobody),
@@ -239,7 +254,7 @@ def _suffer(loop: ClosedLoop, watch: Watch, fault: Fault) -> None:
             way_m[name] += abs(loop.world.truth().vehicles[name].linear_mps) * loop.world.step_s
 
     fault.begin(loop)
-    loop.run(FAULT_S, add)
+    loop.run(fault.lasts_s, add)
     for name, way in way_m.items():
         assert way <= dead_man_m(fault.limit_s, loop.lab.vehicle(name).limits.braking_mps2), f"{fault.name}: {name}"
         assert loop.world.truth().vehicles[name].linear_mps == 0.0, f"{fault.name}: {name}"
@@ -248,7 +263,7 @@ def _suffer(loop: ClosedLoop, watch: Watch, fault: Fault) -> None:
         if fault.reasons and decision is not None and not robot.drives.cut:
             assert decision.stopped_by is not None and decision.stopped_by.code in fault.reasons, fault.name
             assert decision.stopped_by.since_ns is not None
-            assert 0 < loop.now_ns - decision.stopped_by.since_ns < FAULT_S * 1e9
+            assert 0 < loop.now_ns - decision.stopped_by.since_ns < fault.lasts_s * 1e9
     fault.end(loop)
 
 

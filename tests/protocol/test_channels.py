@@ -9,7 +9,7 @@ import pytest
 from protocol import keys
 from protocol.channels import CHANNELS, EVENTS, RESPONSES, Channel, Delivery, Instances
 
-PRODUCERS = {"camera", "tracker", "calibrator", "mapper", "guidance", "agent", "server", "launcher", "lab"}
+PRODUCERS = {"camera", "tracker", "calibrator", "mapper", "guidance", "agent", "server", "intake", "launcher", "lab"}
 
 
 def test_names_are_unique_and_fit_a_topic() -> None:

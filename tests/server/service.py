@@ -13,17 +13,21 @@ import httpx
 from argon2 import PasswordHasher
 from fastapi import FastAPI
 
+from protocol.bus import Bus
 from protocol.clock import Clock, SystemClock
 from protocol.lab import Lab, load_lab
 from server.app import create_app
 from server.auth.passwords import Passwords
+from server.binding import datagrams
 from server.configuration import Configuration
 from server.context import Context
+from server.going_on import for_ever
+from server.intake.service import IntakeService
 from server.repositories.documents import Store
 from server.repositories.tokens import TokenRepository
 from server.repositories.users import UserRepository
 from server.roles import Role
-from server.serving import Server, datagrams, listening, server
+from server.serving import Server, listening, server
 
 ROOT = Path(__file__).parents[2]
 PASSWORD = "correct horse"
@@ -45,7 +49,8 @@ class Service:
     base_url: str
     transport: httpx.AsyncBaseTransport | None
     tokens: dict[str, str]
-    udp_port: int = 0
+    udp_port: int = 2020
+    intake: IntakeService | None = None
     _clients: list[httpx.AsyncClient] = field(default_factory=list[httpx.AsyncClient])
 
     @property
@@ -74,7 +79,6 @@ async def in_process(
     async with app.router.lifespan_context(app):
         context: Context = app.state.context
         service = Service(app, "http://console", httpx.ASGITransport(app), await _accounts(context))
-        service.udp_port = context.listener.port
         try:
             yield service
         finally:
@@ -90,8 +94,10 @@ async def served(
     dead_after_ms: int = 10_000,
     accounts: bool = True,
 ) -> AsyncGenerator[tuple[Service, Server]]:
-    """The app behind uvicorn on a free port of this host."""
-    app = _app(redis_url, None, None, Path("/nonexistent"), scene_port=scene_port, udp_key=udp_key)
+    """The app behind uvicorn on a free port of this host, an intake beside it."""
+    robots = datagrams("127.0.0.1", 0)
+    udp_port = robots.getsockname()[1]
+    app = _app(redis_url, None, None, Path("/nonexistent"), scene_port=scene_port, udp_port=udp_port)
     with listening("127.0.0.1", 0, dead_after_ms) as listener:
         port = listener.getsockname()[1]
         serving = server(app)
@@ -99,13 +105,34 @@ async def served(
         await until(lambda: serving.started or task.done())
         context: Context = app.state.context
         service = Service(app, f"http://127.0.0.1:{port}", None, await _accounts(context) if accounts else {})
-        service.udp_port = context.listener.port
+        service.udp_port = udp_port
         try:
-            yield service, serving
+            async with intake(redis_url, robots, udp_key) as service.intake:
+                yield service, serving
         finally:
             await service.close()
             serving.should_exit = True
             await asyncio.wait_for(task, 5)
+
+
+@asynccontextmanager
+async def intake(
+    redis_url: str, robots: socket.socket, key: bytes | None = None, lab: Lab | None = None
+) -> AsyncGenerator[IntakeService]:
+    """An intake that listens on the bound socket, and closes it."""
+    clock = SystemClock()
+    bus = Bus.connect(redis_url, clock)
+    taking = IntakeService(lab or gulliver(), bus, clock, key)
+    async with taking.listening(robots):
+        tasks = [asyncio.create_task(for_ever(part, clock)) for part in taking.parts()]
+        try:
+            yield taking
+        finally:
+            while waiting := [task for task in tasks if not task.done()]:
+                for task in waiting:
+                    task.cancel()
+                await asyncio.wait(waiting, timeout=0.1)
+            await bus.close()
 
 
 async def until(condition: Callable[[], bool | Awaitable[bool]], within_s: float = 15.0) -> None:
@@ -136,19 +163,17 @@ def _app(
     console: Path,
     *,
     scene_port: int,
-    udp_key: bytes | None = None,
+    udp_port: int = 2020,
 ) -> FastAPI:
     configuration = Configuration(
         host="127.0.0.1",
         http_port=0,
-        udp_port=0,
+        udp_port=udp_port,
         scene_port=scene_port,
         redis_url=redis_url,
         console=console,
-        udp_key=udp_key,
     )
-    robots = datagrams("127.0.0.1", 0)
-    return create_app(configuration, lab or gulliver(), robots, clock or SystemClock(), cheap_passwords())
+    return create_app(configuration, lab or gulliver(), clock or SystemClock(), cheap_passwords())
 
 
 async def _accounts(context: Context) -> dict[str, str]:

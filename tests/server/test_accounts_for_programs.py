@@ -175,3 +175,25 @@ async def test_two_tabs_of_one_login_do_not_share_the_stick(redis_url: str) -> N
         assert (await operator.delete(address, headers=one)).status_code == 204
         assert (await operator.put(address, json=twist, headers=other)).status_code == 200
         assert (await operator.put(address, json=twist, headers={"X-Lilliput-Tab": "a/b"})).status_code == 422
+
+
+async def test_streams_that_ask_again_and_again_learn_of_a_revocation_within_two_seconds(
+    client: redis.asyncio.Redis,
+) -> None:
+    """And one look into Redis is enough for all of them until then."""
+
+    class Clock(SystemClock):
+        later_s = 0.0
+
+        def monotonic_s(self) -> float:
+            return self.later_s
+
+    clock = Clock()
+    tokens = TokenRepository(Store(client), clock)
+    token, record = await tokens.issue("agent x", Role.ROBOT, "wifibot-14", "test")
+    assert await tokens.stands(token)
+    assert not await tokens.stands("nonsense")
+    await tokens.revoke(record.id, "test")
+    assert await tokens.stands(token)
+    clock.later_s += 2.0
+    assert not await tokens.stands(token)

@@ -8,9 +8,10 @@ import pytest
 from msgspec.structs import replace
 
 from protocol.channels import CHANNELS, COMMANDS, POSES, Channel, Delivery, Instances
-from protocol.messages import CameraState, ProcessState, Reason, ReasonCode, Status
-from server.health import HealthInputs, condition, health_view
-from server.views.health import Condition, HealthView, RedisView, UdpView
+from protocol.messages import CameraState, IntakeState, ProcessState, Reason, ReasonCode, Status
+from server.health import condition, health_view
+from server.problems import HealthInputs
+from server.views.health import Condition, HealthView, RedisView, UdpView, losses
 from tests.server.samples import START_NS, camera_state
 from tests.server.service import gulliver
 
@@ -100,7 +101,8 @@ def test_an_empty_system_says_why() -> None:
     assert "no agent has ever connected for wifibot-14; start one with `python -m agents wifibot-14`" in said
     assert "guidance sends no commands: no robot moves" in said
     assert sum("obstacles" in text for text in said) == 1
-    assert len(said) == len(CAMERAS) + 1 + 1 + len(ROBOTS)
+    assert sum("the intake says nothing" in text for text in said) == 1
+    assert len(said) == len(CAMERAS) + 1 + 1 + 1 + len(ROBOTS)
     assert all(row.age_s is None for row in view.channels)
     assert {row.condition for row in view.channels} == {Condition.MISSING, Condition.IDLE}
 
@@ -200,9 +202,26 @@ def test_redis_is_gone_and_nothing_else_matters() -> None:
     assert view.state == "error"
 
 
-def test_a_server_that_does_not_listen() -> None:
-    view = judge(all_fresh(), udp=UDP.model_copy(update={"listening": False}))
-    assert texts(view) == ["the server does not listen for robots' datagrams"]
+def test_an_intake_that_is_silent_is_named_instead_of_each_robot() -> None:
+    stamps = all_fresh()
+    for robot in ROBOTS:
+        stamps = late(stamps, robot, 10, "statuses")
+    (problem,) = judge(late(stamps, "lab", 10, "intake")).problems
+    assert (problem.source, problem.severity) == ("intake", "error")
+    assert problem.text == "the intake says nothing since 23:13:10: no robot's status datagrams are heard"
+    assert len(texts(judge(stamps))) == len(ROBOTS)
+
+
+def test_counts_and_losses_are_the_intakes_newest() -> None:
+    counts = dict.fromkeys(UDP.model_dump(exclude={"listening", "last_problem"}), 3)
+    state = IntakeState(stamp_ns=NOW_NS, last_problem="x", losses={ROBOTS[0]: 0.25}, **counts)
+    view = UdpView.of(state, NOW_NS)
+    assert (view.listening, view.received, view.out_of_order, view.last_problem) == (True, 3, 3, "x")
+    assert losses(state, NOW_NS) == {ROBOTS[0]: 0.25}
+    later_ns = NOW_NS + 6 * 10**9
+    assert UdpView.of(state, later_ns) == view.model_copy(update={"listening": False})
+    assert losses(state, later_ns) == losses(None, NOW_NS) == {}
+    assert UdpView.of(None, NOW_NS) == UDP.model_copy(update={"listening": False})
 
 
 @pytest.mark.parametrize(

@@ -1,8 +1,8 @@
 """A thousand mutated messages in Redis, on every channel and every key that processes read: nobody ends, nobody answers 5xx, and
 what does not decode changes nothing.
 
-The server, guidance, the GPSS adapter, the tracker and the mapper run on one Redis, as they do in a lab. Other processes read
-through the same bus and codecs.
+The server, the intake, guidance, the GPSS adapter, the tracker and the mapper run on one Redis, as they do in a lab. Other
+processes read through the same bus and codecs.
 """
 
 import asyncio
@@ -36,6 +36,7 @@ from protocol.messages import (
     EventLevel,
     GroundTruth,
     GuidanceState,
+    IntakeState,
     Leg,
     ManualDrive,
     ProcessState,
@@ -52,6 +53,7 @@ from protocol.settings import Settings
 from server.gpss.service import GpssService
 from server.guidance.parameters import GuidanceParameters
 from server.guidance.service import GuidanceService
+from server.intake.service import IntakeService
 from server.repositories.redis_users import RedisUserRecord
 from tests.mutations import mutated
 from tests.server.samples import camera_state, command, extrinsics, pose, raster, status
@@ -63,6 +65,20 @@ GPSS_ROBOT = "wifibot-15"
 PATHS = (
     *("/lab", "/health", "/robots", f"/robots/{ROBOT}", "/waypoints", "/routes", "/estop", "/cameras", "/sim/objects"),
     *("/speed-zones", "/events", "/calibration", f"/robots/{ROBOT}/responses", "/users", "/tokens"),
+)
+COUNTED = (
+    *(
+        "received",
+        "accepted",
+        "undecodable",
+        "wrong_kind",
+        "unknown_robot",
+        "wrong_sender",
+        "old",
+        "future",
+        "duplicate",
+    ),
+    "out_of_order",
 )
 NAMES = (ROBOT.encode(), GPSS_ROBOT.encode(), b"nobody", b"", b"\xff\xfe", b"a:b:c", b"x" * 500)
 """Instances and ids, right and wrong ones."""
@@ -97,6 +113,7 @@ def samples() -> dict[str, bytes]:
         "obstacles": raster(now),
         "ground_truth": GroundTruth(now, {}, 0),
         "processes": ProcessState(name="lab", state="running", pid=1, restarts=0, since_ns=now, stamp_ns=now),
+        "intake": IntakeState(stamp_ns=now, last_problem=None, losses={ROBOT: 0.1}, **dict.fromkeys(COUNTED, 1)),
         "emergency_stop": EmergencyStop(engaged=True, epoch=now // 1_000_000, stamp_ns=now, by="x", reason="y"),
         "events": Event(stamp_ns=now, level=EventLevel.INFO, source="x", kind="y", text="z"),
         keys.WAYPOINTS: waypoint,
@@ -139,11 +156,14 @@ async def running(redis_url: str, tmp_path: Any) -> AsyncGenerator[Running]:
             outputs = outputs_of(lab, bus, sender, CLOCK, None)
             tracker = TrackerService(lab, bus, outputs, timings, CLOCK)
             gpss = GpssService(lab, bus, CLOCK)
+            taking = IntakeService(lab, bus, CLOCK, None)
             parts = {
                 "guidance": GuidanceService(lab, bus.redis, CLOCK, GuidanceParameters()).run(),
                 "tracker": tracker.run(),
                 "mapper": Mapper(lab, bus, CLOCK).run(),
                 **{f"gpss {number}": part for number, part in enumerate(gpss.parts())},
+                "intake, registrations": taking.follow_registrations(),
+                "intake": taking.report(),
             }
             tasks = {name: asyncio.ensure_future(part) for name, part in parts.items()}
             try:

@@ -20,6 +20,7 @@ from websockets.asyncio.client import connect
 from protocol.channels import EMERGENCY_STOP
 from server.__main__ import main
 from server.auth import issue_token
+from server.intake.__main__ import main as take_in
 from tests.redis_fixture import RedisServer
 from tests.server.service import ROBOT, ROOT, free_port, until
 
@@ -135,7 +136,7 @@ def test_a_udp_port_in_use_is_named(environment: pytest.MonkeyPatch, tmp_path: P
         with pytest.raises(
             SystemExit, match=rf"^cannot listen on 127.0.0.1:{port} \(UDP\): .*in use.*set ports.robots_udp in "
         ):
-            main()
+            take_in()
 
 
 def test_an_address_of_another_machine_is_named(environment: pytest.MonkeyPatch) -> None:

@@ -1,6 +1,7 @@
 """Robots' STATUS datagrams: accepted, or counted and without effect."""
 
 import asyncio
+import itertools
 import json
 import random
 import socket
@@ -14,8 +15,8 @@ from protocol.bus import Bus
 from protocol.channels import STATUSES
 from protocol.clock import SystemClock
 from protocol.datagram import Datagram, Sequencer, pack
-from protocol.messages import Status
-from server.status_listener import StatusListener
+from protocol.messages import IntakeState, Status
+from server.intake.listener import StatusListener
 from tests.mutations import mutated
 from tests.redis_fixture import RedisServer
 from tests.server.samples import pose, status
@@ -54,9 +55,14 @@ class Robot:
         self._socket.sendto(data, ("127.0.0.1", self._service.udp_port))
 
 
+def _taken(service: Service) -> IntakeState:
+    assert service.intake is not None
+    return service.intake.state()
+
+
 async def _counted(service: Service, name: str, number: int = 1) -> None:
     async def holds() -> bool:
-        return getattr(service.context.listener.view(), name) == number
+        return getattr(_taken(service), name) == number
 
     await until(holds)
 
@@ -78,8 +84,12 @@ async def test_the_newest_status_is_kept_and_shown(redis_url: str) -> None:
         await until(newest)
         shown = (await service.http("viewer").get(f"/api/robots/{ROBOT}")).json()
         assert (shown["connection"], shown["status"]["battery"]) == ("ONLINE", 0.3)
-        health = (await service.http("viewer").get("/api/health")).json()
-        assert (health["udp"]["received"], health["udp"]["accepted"]) == (3, 3)
+
+        async def reported() -> bool:
+            udp = (await service.http("viewer").get("/api/health")).json()["udp"]
+            return (udp["listening"], udp["received"], udp["accepted"]) == (True, 3, 3)
+
+        await until(reported)
 
 
 async def test_bad_datagrams_are_counted_and_have_no_effect(redis_url: str) -> None:
@@ -109,7 +119,7 @@ async def test_bad_datagrams_are_counted_and_have_no_effect(redis_url: str) -> N
         await _counted(service, "duplicate")
         robot.send(sequence=(1 << 50) - 1)
         await _counted(service, "out_of_order")
-        assert service.context.listener.view().received == 13
+        assert _taken(service).received == 13
 
 
 async def test_strangers_are_told_once_a_minute(redis_server: RedisServer) -> None:
@@ -129,7 +139,7 @@ async def test_strangers_are_told_once_a_minute(redis_server: RedisServer) -> No
         await asyncio.sleep(0.2)
         (event,) = told()
         assert "unknown robot 'nobody'" in event["text"]
-        problem = service.context.listener.view().last_problem
+        problem = _taken(service).last_problem
         assert problem is not None
         assert "nobody" in problem
 
@@ -156,8 +166,13 @@ async def test_a_robot_whose_clock_was_set_back_starts_over_when_it_registers(re
         await _counted(service, "out_of_order", 1)
         body = {"udp_port": 4000, "session": "new"}
         await service.http("robot").post(f"/api/robots/{ROBOT}/registration", json=body)
-        robot.send(sequence=6)
-        await _counted(service, "accepted", 2)
+        numbers = itertools.count(6)
+
+        async def accepted() -> bool:  # as soon as the intake has heard of the registration
+            robot.send(sequence=next(numbers))
+            return _taken(service).accepted == 2
+
+        await until(accepted)
 
 
 async def test_it_goes_on_after_redis_was_away(redis_server: RedisServer) -> None:
@@ -188,7 +203,7 @@ async def test_a_burst_of_datagrams_is_taken_whole(redis_url: str) -> None:
             return {name: kept.sequence for name, kept in (await _kept(service)).items()} == dict.fromkeys(robots, 100)
 
         await until(newest)
-        assert service.context.listener.view().received == 200
+        assert _taken(service).received == 200
 
 
 async def test_ten_thousand_mutated_datagrams_are_counted_and_without_effect(redis_url: str) -> None:
@@ -204,7 +219,7 @@ async def test_ten_thousand_mutated_datagrams_are_counted_and_without_effect(red
         return [found.sequence for found in (await bus.latest_all(STATUSES)).values()] == [2]
 
     await until(kept)
-    counted = listener.view()
+    counted = listener.state()
     assert (counted.received, counted.undecodable, counted.accepted) == (10_001, 10_000, 1)
     publishing.cancel()
     await asyncio.wait({publishing})

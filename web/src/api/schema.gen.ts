@@ -3141,10 +3141,13 @@ export interface components {
         };
         /**
          * UdpView
-         * @description What became of the datagrams that robots sent, counted since the server started.
+         * @description What became of the datagrams that robots sent, counted since the intake started.
          */
         UdpView: {
-            /** Listening */
+            /**
+             * Listening
+             * @description Whether the intake says so; the counts are what it said last.
+             */
             listening: boolean;
             /** Received */
             received: number;

@@ -1,25 +1,28 @@
 """Listens for robots' STATUS datagrams (design, "Robots connect over HTTP and UDP"): what is one of ours and signed goes to the
-intake, the rest is counted, told in the health, and now and then in the history."""
+intake, the rest is counted, and now and then told in the history."""
 
 import asyncio
 import socket
 import sys
 from collections.abc import AsyncGenerator
 from contextlib import asynccontextmanager, suppress
-from typing import cast
 
 from protocol.bus import Bus
 from protocol.clock import Clock
 from protocol.datagram import Kind, unpack
 from protocol.errors import DecodeError
 from protocol.lab import Lab
+from protocol.messages import IntakeState
 from protocol.messages.status_fields import read_status
-from server.status_intake import StatusIntake
-from server.views.health import UdpView
+from server.intake.statuses import StatusIntake
 
 _AT_ONCE = 256
 """So many datagrams are taken before others on the loop have their turn."""
-_LARGEST = 65536
+_GATHER_S = 0.005
+"""So long after datagrams were taken the next are looked for. Robots' statuses wait for the next batch anyway, and to wake up for
+each of ten thousand a second took more processor time than to read it."""
+_LARGEST = 4096
+"""More than any of ours has: what is cut off here is refused for its length."""
 _QUEUE_BYTES = 4 << 20
 """Datagrams wait here while the loop is busy: what a thousand robots send in half a second, as the kernel counts it. Who is not
 the administrator gets less where the kernel's limit (net.core.rmem_max) is lower."""
@@ -29,44 +32,34 @@ _SO_RCVBUFFORCE = 33
 
 
 class StatusListener:
-    """`view` tells how many datagrams were received, accepted, and refused for which cause; `run` must be running."""
+    """`state` tells how many datagrams were received, accepted, and refused for which cause; `run` must be running."""
 
     def __init__(self, bus: Bus, lab: Lab, clock: Clock, key: bytes | None) -> None:
-        self.port = lab.ports.robots_udp
-        self._key = key
+        self._key, self._clock = key, clock
         self._intake = StatusIntake(bus, lab, clock)
-        self._listening = False
 
     @asynccontextmanager
     async def listening(self, bound: socket.socket) -> AsyncGenerator[None]:
         """Listens on the bound socket while entered, and closes it."""
-        loop = asyncio.get_running_loop()
         bound.setblocking(False)
         _widen(bound)
-        # Not a datagram endpoint: that takes one datagram per round of the loop.
-        loop.add_reader(bound, self._drain, bound)
-        self.port = cast("tuple[str, int]", bound.getsockname())[1]
-        self._listening = True
+        taking = asyncio.create_task(self._take_all(bound))
         try:
             yield
         finally:
-            self._listening = False
-            loop.remove_reader(bound)
+            taking.cancel()
+            await asyncio.wait([taking])
             bound.close()
 
     def forget(self, robot: str) -> None:
         """Lets a robot start over, as after a registration with a clock that was set back."""
         self._intake.forget(robot)
 
-    def losses(self) -> dict[str, float]:
-        """By robot: the share of its statuses of the last seconds that did not arrive."""
-        return self._intake.losses()
-
-    def view(self) -> UdpView:
-        """The counters, for the health."""
+    def state(self) -> IntakeState:
+        """The counters, the newest refusal, and how well each robot is heard."""
         counts = self._intake.counts
-        return UdpView(
-            listening=self._listening,
+        return IntakeState(
+            stamp_ns=self._clock.now_ns(),
             received=counts["received"],
             accepted=counts["accepted"],
             undecodable=counts["undecodable"],
@@ -78,19 +71,29 @@ class StatusListener:
             duplicate=counts["duplicate"],
             out_of_order=counts["out_of_order"],
             last_problem=self._intake.problem,
+            losses=self._intake.losses(),
         )
 
-    def _drain(self, bound: socket.socket) -> None:
-        """Takes what has arrived."""
-        for _ in range(_AT_ONCE):
+    async def _take_all(self, bound: socket.socket) -> None:
+        """Not by a datagram endpoint: that has a round of the loop, and the process a wake-up, for every datagram."""
+        while True:
+            await _readable(bound)
+            while self._drain(bound):
+                await self._clock.sleep(_GATHER_S)
+
+    def _drain(self, bound: socket.socket) -> int:
+        """Takes what has arrived; how many."""
+        receive, take = bound.recvfrom, self.datagram_received
+        for count in range(_AT_ONCE):
             try:
-                data, address = bound.recvfrom(_LARGEST)
+                data, address = receive(_LARGEST)
             except (BlockingIOError, InterruptedError):
-                return
+                return count
             except OSError as error:
                 self._intake.problem = f"socket: {error}"
-                return
-            self.datagram_received(data, address)
+                return count
+            take(data, address)
+        return _AT_ONCE
 
     def datagram_received(self, data: bytes, addr: tuple[str, int]) -> None:
         """Of one robot, or of anybody."""
@@ -106,6 +109,15 @@ class StatusListener:
     async def run(self) -> None:
         """Publishes what came in, until cancelled."""
         await self._intake.run()
+
+
+async def _readable(bound: socket.socket) -> None:
+    loop, readable = asyncio.get_running_loop(), asyncio.Event()
+    loop.add_reader(bound, readable.set)
+    try:
+        await readable.wait()
+    finally:
+        loop.remove_reader(bound)
 
 
 def _widen(bound: socket.socket) -> None:

@@ -28,7 +28,7 @@ class StatusIntake:
     """`counts` holds how many were received, accepted, and refused for which cause; `problem` is the newest refusal in a
     sentence. Events are from `source`, of kinds that begin with `what`."""
 
-    def __init__(self, bus: Bus, lab: Lab, clock: Clock, source: str = "server", what: str = "datagram") -> None:
+    def __init__(self, bus: Bus, lab: Lab, clock: Clock, source: str = "intake", what: str = "datagram") -> None:
         self.counts: Counter[str] = Counter()
         self.problem: str | None = None
         self._bus, self._clock, self._source, self._what = bus, clock, source, what
