@@ -182,18 +182,12 @@ async def test_streams_that_ask_again_and_again_learn_of_a_revocation_within_two
 ) -> None:
     """And one look into Redis is enough for all of them until then."""
 
-    class Clock(SystemClock):
-        later_s = 0.0
-
-        def monotonic_s(self) -> float:
-            return self.later_s
-
-    clock = Clock()
+    clock = SimulatedClock()
     tokens = TokenRepository(Store(client), clock)
     token, record = await tokens.issue("agent x", Role.ROBOT, "wifibot-14", "test")
     assert await tokens.stands(token)
     assert not await tokens.stands("nonsense")
     await tokens.revoke(record.id, "test")
     assert await tokens.stands(token)
-    clock.later_s += 2.0
+    await clock.advance(2.0)
     assert not await tokens.stands(token)

@@ -14,7 +14,8 @@ const REFUSED = [
 ] as const;
 
 export function DatagramCounts({ udp }: { readonly udp: UdpView }) {
-  if (!udp.listening) return <Alert color="red">Nobody listens for robots: the intake does not run; is its UDP port in use?</Alert>;
+  if (!udp.listening)
+    return <Alert color="red">Nobody listens for robots: the intake does not run; is its UDP port in use?</Alert>;
   const refused = REFUSED.filter(([key]) => udp[key] > 0);
   return (
     <>
