@@ -34,7 +34,7 @@ PAGE = (ROOT / "docs/connect-a-robot.md").read_text()
 UDP, GPSS, ROS = "my-robot", "my-agv", "my-ros-robot"
 LANES = {UDP: 0.45, GPSS: 1.15, ROS: 1.85}
 START_X, END_X = 0.6, 2.0
-NEEDED = "server,guidance,camera,tracker,calibrator,mapper,gpss,ros2"
+NEEDED = "server,intake,guidance,camera,tracker,calibrator,mapper,gpss,ros2"
 
 
 def page_yaml() -> dict[str, Any]:
