@@ -15,10 +15,11 @@ Nothing of this depends on clocks. Times serve the order (who would be there fir
 
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
+from typing import TypeAlias
 
 from protocol.messages.zones import AreaUse, ZoneClaim, ZoneMessage, ZoneMessageType
 
-type Order = tuple[int, str]
+Order: TypeAlias = tuple[int, str]
 """A claim's rank and its robot: all claims of all robots are ordered by it."""
 
 

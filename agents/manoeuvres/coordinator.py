@@ -19,6 +19,9 @@ from agents.manoeuvres.timing import estimated_uses
 from agents.manoeuvres.traffic import Ahead, Sighting, ZoneMap, ahead_on
 from protocol.messages.zones import AreaUse, ZoneClaim, ZoneMessage
 
+_ACROSS_RAD = math.pi / 4
+"""Another vehicle whose heading differs by more does not go the same way."""
+
 
 @dataclass(frozen=True, slots=True)
 class Hold:
@@ -82,7 +85,9 @@ class Coordinator:
         """The way from now on. Bookings that are in use stay until their areas are left; the others are given back."""
         for booked in [booked for booked in self._booked if not booked.in_use]:
             self._withdraw(booked)
-        uses = uses_of(way, [(float(x), float(y)) for x, y in self._outline], self._zones.zones, self._parameters.margin_m)
+        uses = uses_of(
+            way, [(float(x), float(y)) for x, y in self._outline], self._zones.zones, self._parameters.margin_m
+        )
         self._way, self._ahead = way, passages_of(uses, self._standing_m)
 
     def hear(self, message: ZoneMessage, now_s: float) -> None:
@@ -111,7 +116,7 @@ class Coordinator:
         leaders = ahead_on(self._way, progress_m, self._outline, seen)
         self._book(now_ns, now_s, progress_m, speed_mps, near, leaders, seen)
         self.booking.acknowledge()
-        limit = self._following(leaders)
+        limit = self._following(leaders, seen)
         hold: Hold | None = None
         authority = math.inf
         for booked in self._booked:
@@ -271,7 +276,9 @@ class Coordinator:
                 rest = record.message.authority
             elif record is not None:
                 continue
-            if math.hypot(rest[0] - out.x, rest[1] - out.y) < reach_m + float(np.hypot(*np.asarray(other.outline).T).max()):
+            if math.hypot(rest[0] - out.x, rest[1] - out.y) < reach_m + float(
+                np.hypot(*np.asarray(other.outline).T).max()
+            ):
                 taken.append(robot)
         return tuple(sorted(taken))
 
@@ -296,11 +303,16 @@ class Coordinator:
             default=0.0,
         )
 
-    def _following(self, leaders: Sequence[Ahead]) -> float:
+    def _following(self, leaders: Sequence[Ahead], seen: Mapping[str, Sighting]) -> float:
         limit = self._mobility.speed_mps
         for leader in leaders:
+            if leader.turn_rad > _ACROSS_RAD and self._in_zone(seen[leader.robot]):
+                continue  # crosses: the booking says who goes first, and its area is not entered
             limit = min(limit, speed_behind(leader.gap_m, leader.speed_mps, self._standing_gap_m, self._mobility))
         return limit
+
+    def _in_zone(self, other: Sighting) -> bool:
+        return any(self._zones.touches(area, other) for area in self._zones.areas)
 
     @property
     def _standing_gap_m(self) -> float:
@@ -317,7 +329,11 @@ class Coordinator:
     # Others
 
     def _recipients(self, near: frozenset[str], seen: Mapping[str, Sighting]) -> frozenset[str]:
-        at = {robot for robot, other in seen.items() if self._zones.near(other.pose.x, other.pose.y, self._parameters.away_m) & near}
+        at = {
+            robot
+            for robot, other in seen.items()
+            if self._zones.near(other.pose.x, other.pose.y, self._parameters.away_m) & near
+        }
         return frozenset(at | self.booking.records.keys())
 
     def _forget_those_away(self, seen: Mapping[str, Sighting], now_s: float) -> None:
@@ -330,4 +346,3 @@ class Coordinator:
                 and not self._zones.near(other.pose.x, other.pose.y, self._parameters.away_m)
             ):
                 self.booking.forget(robot)
-

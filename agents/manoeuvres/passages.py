@@ -79,7 +79,9 @@ class Way:
         )
 
 
-def uses_of(way: Way, footprint: Sequence[tuple[float, float]], zones: Iterable[ZoneSpec], margin_m: float) -> list[Use]:
+def uses_of(
+    way: Way, footprint: Sequence[tuple[float, float]], zones: Iterable[ZoneSpec], margin_m: float
+) -> list[Use]:
     """Every use of a sub-area on the way, by entering. The body is the `footprint` (m, seen from the rotation centre) grown by the
     margin, its heading along the way; distances are right to about a millimetre, on the safe side."""
     body = shapely.Polygon(footprint).buffer(margin_m, join_style="mitre")

@@ -1,12 +1,13 @@
 """Who should go first of two, as the one of them sees it that has not booked yet."""
 
 from collections.abc import Callable, Mapping
+from typing import TypeAlias
 
 from protocol.messages.zones import AreaUse
 
-type Uses = Mapping[str, AreaUse]
+Uses: TypeAlias = Mapping[str, AreaUse]
 """By area, when it will be entered and left, in seconds from now."""
-type Precedence = Callable[[tuple[str, Uses], tuple[str, Uses]], bool]
+Precedence: TypeAlias = Callable[[tuple[str, Uses], tuple[str, Uses]], bool]
 """Whether the first robot (its id and uses) should go before the second. Uses have the areas that both need."""
 
 TIE_S = 1.0

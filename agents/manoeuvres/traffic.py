@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from agents.manoeuvres.passages import Way
 from geometry import SE2
+from geometry.angles import wrap_angle
 from protocol.lab import ZoneSpec
 
 _AHEAD_M = 6.0
@@ -30,7 +31,9 @@ class ZoneMap:
     def __init__(self, zones: Iterable[ZoneSpec]) -> None:
         self.zones = tuple(zones)
         self._areas = {
-            f"{zone.id}/{name}": shapely.Polygon(outline) for zone in self.zones for name, outline in zone.subareas.items()
+            f"{zone.id}/{name}": shapely.Polygon(outline)
+            for zone in self.zones
+            for name, outline in zone.subareas.items()
         }
         shapely.prepare(list(self._areas.values()))
         self._centres = {
@@ -38,6 +41,11 @@ class ZoneMap:
             for zone in self.zones
         }
         self._detection = {zone.id: zone.detection_m for zone in self.zones}
+
+    @property
+    def areas(self) -> frozenset[str]:
+        """All sub-areas, as `zone/sub-area`."""
+        return frozenset(self._areas)
 
     def near(self, x: float, y: float, further_m: float = 0.0) -> frozenset[str]:
         """The zones whose middle is within their detection distance, or `further_m` more, of that point."""
@@ -54,12 +62,13 @@ class ZoneMap:
 
 @dataclass(frozen=True, slots=True)
 class Ahead:
-    """A vehicle on the way: how far its nearest part is from the robot's front (m, along the way; 0 beside it), and how fast it
-    drives along the way (m/s, 0 for one that comes towards)."""
+    """A vehicle on the way: how far its nearest part is from the robot's front (m, along the way; 0 beside it), how fast it
+    drives along the way (m/s, 0 for one that comes towards), and how far its heading is from the way's there (rad, from 0)."""
 
     robot: str
     gap_m: float
     speed_mps: float
+    turn_rad: float
 
 
 def ahead_on(
@@ -86,7 +95,7 @@ def ahead_on(
         first = int(np.flatnonzero(inside.any(axis=0))[0])
         turn = other.pose.yaw - float(lane[first, 2])
         found.append(
-            Ahead(robot, max(0.0, first * _SAMPLE_M - front_m), max(0.0, other.speed_mps * float(np.cos(turn))))
+            Ahead(robot, max(0.0, first * _SAMPLE_M - front_m), max(0.0, other.speed_mps * float(np.cos(turn))), abs(wrap_angle(turn)))
         )
     return sorted(found, key=lambda one: one.gap_m)
 

@@ -20,11 +20,7 @@ class Cut:
     target: str | None = None
 
     def hits(self, source: str, target: str, now_s: float) -> bool:
-        return (
-            self.from_s <= now_s < self.until_s
-            and self.source in (None, source)
-            and self.target in (None, target)
-        )
+        return self.from_s <= now_s < self.until_s and self.source in (None, source) and self.target in (None, target)
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,6 +5,7 @@ how), for vehicles 0.30 m long and 0.32 m wide.
 """
 
 import math
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +15,7 @@ from protocol.lab import ZoneSpec
 LANE_M = 0.5
 ARM_M = 4.0
 DETECTION_M = 3.0
-type Points = tuple[tuple[float, float], ...]
+Points: TypeAlias = tuple[tuple[float, float], ...]
 
 ARMS = ("south", "east", "north", "west")
 """Counter-clockwise: from the south the right turn goes east, straight on north, the left turn west."""
@@ -54,9 +55,7 @@ def crossing_way(arm: str, turn: str, lanes: int = 1, lane: int = 0) -> Points:
 def wide_crossing_zone() -> ZoneSpec:
     """Two roads of two lanes each way: sixteen sub-areas."""
     cells = {
-        f"c{column}r{row}": _box(
-            (column - 2) * LANE_M, (row - 2) * LANE_M, (column - 1) * LANE_M, (row - 1) * LANE_M
-        )
+        f"c{column}r{row}": _box((column - 2) * LANE_M, (row - 2) * LANE_M, (column - 1) * LANE_M, (row - 1) * LANE_M)
         for column in range(4)
         for row in range(4)
     }
@@ -173,7 +172,10 @@ def _along_ring(angle: float) -> tuple[float, float]:
 
 
 def _blend(
-    start: tuple[float, float], direction: tuple[float, float], end: tuple[float, float], end_direction: tuple[float, float]
+    start: tuple[float, float],
+    direction: tuple[float, float],
+    end: tuple[float, float],
+    end_direction: tuple[float, float],
 ) -> list[tuple[float, float]]:
     """A cubic Hermite curve from one point and direction to another."""
     p, q = np.array(start), np.array(end)

@@ -30,7 +30,7 @@ class Scenario:
     entrants: tuple[Entrant, ...]
     speed_mps: float
     acceleration_mps2: float = 0.5
-    deceleration_mps2: float = 1.0
+    deceleration_mps2: float = 3.0
     outline: tuple[tuple[float, float], ...] = field(default=WIFIBOT)
     priority: tuple[str, ...] = ()
 

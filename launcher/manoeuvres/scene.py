@@ -3,6 +3,7 @@
 import itertools
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import TypeAlias
 
 import numpy as np
 import shapely
@@ -21,7 +22,7 @@ _LOOK_S = 0.08
 """Capture of a picture until the pose is with the robots."""
 _SIGMA_M = 0.003
 
-type Minds = Callable[[Scenario, Entrant, ZoneMap, float], Mind]
+Minds: TypeAlias = Callable[[Scenario, Entrant, ZoneMap, float], Mind]
 
 
 @dataclass(frozen=True, slots=True)
@@ -153,7 +154,9 @@ class Scene:
                 vehicle.mind.hear(message, now_s)
             noise = self._rng.normal(0.0, _SIGMA_M, 2 * len(late) + 1)
             seen = {
-                other: Sighting(SE2(pose.x + noise[2 * i], pose.y + noise[2 * i + 1], pose.yaw), speed, self._scenario.outline)
+                other: Sighting(
+                    SE2(pose.x + noise[2 * i], pose.y + noise[2 * i + 1], pose.yaw), speed, self._scenario.outline
+                )
                 for i, (other, (pose, speed)) in enumerate(late.items())
                 if other != robot
             }

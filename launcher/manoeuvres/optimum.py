@@ -1,0 +1,96 @@
+"""The best that two vehicles could do, computed offline with all knowledge: what a method's delay is to be measured against.
+
+Both drive their given ways. One goes first, unhindered; the other may choose any speed profile within its limits, knows the first's
+drive from the beginning, hears at no delay, and only has to keep `GAP_M` between the outlines at all times. That is a linear program:
+at every instant the second may have come at most as far as the first place at which, with the first where it is then, the
+outlines would be too near. The better order counts.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from scipy.optimize import linprog
+from scipy.sparse import diags, eye_array, vstack
+
+from agents.manoeuvres.passages import Way
+from launcher.manoeuvres.scenario import Entrant, Scenario
+
+GAP_M = 0.10
+_STEP_M = 0.02
+_STEP_S = 0.1
+
+
+@dataclass(frozen=True, slots=True)
+class Best:
+    """The drive of the one that goes second (s), its free flow (s), and who goes first."""
+
+    took_s: float
+    free_s: float
+    first: str
+
+    @property
+    def fk(self) -> float:
+        return self.took_s / self.free_s
+
+
+def best(scenario: Scenario) -> Best:
+    """The least quotient of delayed time and free flow over both orders. ValueError unless there are two vehicles that start at
+    the same time, each in reach of going second."""
+    if len(scenario.entrants) != 2 or scenario.entrants[0].at_s != scenario.entrants[1].at_s:
+        raise ValueError("the optimum is of two vehicles that start together")
+    one, other = scenario.entrants
+    found = [best for best in (_behind(scenario, one, other), _behind(scenario, other, one)) if best is not None]
+    if not found:
+        raise ValueError(f"in {scenario.name} neither can go second")
+    return min(found, key=lambda one: one.fk)
+
+
+def _behind(scenario: Scenario, first: Entrant, second: Entrant) -> Best | None:
+    speed = scenario.speed_mps
+    free_s = (second.goal_m - second.start_m) / speed
+    count = math.ceil((free_s * 3 + (first.goal_m - first.start_m) / speed) / _STEP_S)
+    times = np.arange(1, count + 1) * _STEP_S
+    limit = _limits(scenario, first, second, times)
+    up, down = scenario.acceleration_mps2 * _STEP_S, scenario.deceleration_mps2 * _STEP_S
+    # Speeds at the end of each step are the variables; the way is their sum (trapezia, from full speed).
+    sums = np.tril(np.ones((count, count))) * _STEP_S
+    ways = sums - eye_array(count).toarray() * (_STEP_S / 2)
+    start = np.full(count, speed * _STEP_S / 2)
+    bounded = np.isfinite(limit)
+    change = diags([np.ones(count), -np.ones(count - 1)], [0, -1]).tocsr()
+    initial = np.zeros(count)
+    initial[0] = speed
+    rows = vstack([ways[bounded], change, -change]).tocsr()
+    right = np.concatenate([(limit - second.start_m - start)[bounded], up + initial, down - initial])
+    solved = linprog(-ways[-1], A_ub=rows, b_ub=right, bounds=(0.0, speed), method="highs")
+    if not solved.success:
+        return None
+    along = second.start_m + start + ways @ solved.x
+    if along[-1] < second.goal_m:
+        return None
+    took_s = float(np.interp(second.goal_m, along, times))
+    return Best(took_s, free_s, first.robot)
+
+
+def _limits(scenario: Scenario, first: Entrant, second: Entrant, times: NDArray[np.float64]) -> NDArray[np.float64]:
+    """How far the second may have come at each time (m along its way; infinite: no matter)."""
+    leader, follower = Way(first.way), Way(second.way)
+    stations = np.arange(second.start_m, follower.length_m, _STEP_M)
+    bodies = _bodies(scenario, follower, stations)
+    limits = np.full(len(times), np.inf)
+    for index, time in enumerate(times):
+        at_m = first.start_m + scenario.speed_mps * float(time)
+        if at_m > first.goal_m:
+            break
+        body = shapely.Polygon(leader.at(at_m).apply(scenario.outline))
+        near = np.flatnonzero(shapely.distance(bodies, body) < GAP_M)
+        if len(near):
+            limits[index] = stations[near[0]] - _STEP_M
+    return limits
+
+
+def _bodies(scenario: Scenario, way: Way, stations: NDArray[np.float64]) -> NDArray[np.object_]:
+    return np.array([shapely.Polygon(way.at(float(s)).apply(scenario.outline)) for s in stations], dtype=object)
