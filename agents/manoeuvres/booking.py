@@ -96,12 +96,16 @@ class Booking:
         self._records.pop(robot, None)
         self._acked.pop(robot, None)
 
+    def standing_claims(self, areas: Collection[str]) -> list[tuple[str, ZoneClaim]]:
+        """Others' claims on one of the areas."""
+        return [(robot, claim) for robot, claim in self._others() if _shares(claim, areas)]
+
     def unanswered(self, areas: Collection[str]) -> list[tuple[str, ZoneClaim]]:
-        """Others' claims on one of the areas that are neither acknowledged nor established: those one could still go before."""
+        """Those of them that are neither acknowledged nor established: one could still go before."""
         return [
             (robot, claim)
-            for robot, claim in self._others()
-            if claim.number not in self._acked[robot] and not claim.established and _shares(claim, areas)
+            for robot, claim in self.standing_claims(areas)
+            if claim.number not in self._acked[robot] and not claim.established
         ]
 
     def claim(
@@ -121,6 +125,11 @@ class Booking:
         self.claims.append(claim)
         self._type = ZoneMessageType.ENTER
         return claim
+
+    def claim_behind(self, claim: Claim, behind: Iterable[Order]) -> Claim:
+        """Makes a claim that is neither established nor begun anew, with a higher rank than those."""
+        self.withdraw(claim)
+        return self.claim(claim.areas, claim.rank, behind=behind)
 
     def withdraw(self, claim: Claim) -> None:
         """Gives back a claim none of whose areas were entered. ValueError otherwise."""
@@ -148,8 +157,9 @@ class Booking:
                 self._acked[robot].add(theirs.number)
         for mine in [claim for claim in self.claims if not claim.established]:
             if any(self._is_refused(mine, robot, theirs) for robot, theirs in self._others()):
-                self.claims.remove(mine)
-                self.claim(mine.areas, mine.rank)
+                renewed = self.claim(mine.areas, mine.rank)
+                self.claims.remove(renewed)
+                mine.number, mine.rank = renewed.number, renewed.rank
 
     def standing(self, claim: Claim, relevant: Collection[str], now_s: float) -> Standing:
         """Establishes the claim when the `relevant` robots and all that claim one of its areas have acknowledged it."""

@@ -5,7 +5,7 @@ Pure like the booking it drives. One cycle: `hear` what came, then `step`.
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -46,6 +46,7 @@ class Advice:
 class _Booked:
     claim: Claim
     uses: tuple[Use, ...]
+    compared: set[tuple[str, int]] = field(default_factory=set[tuple[str, int]])
 
     @property
     def remaining(self) -> list[Use]:
@@ -115,6 +116,7 @@ class Coordinator:
         self._yield(seen)
         leaders = ahead_on(self._way, progress_m, self._outline, seen)
         self._book(now_ns, now_s, progress_m, speed_mps, near, leaders, seen)
+        self._reconsider(now_s, progress_m, speed_mps)
         self.booking.acknowledge()
         limit = self._following(leaders, seen)
         hold: Hold | None = None
@@ -180,6 +182,25 @@ class Coordinator:
             self._booked.append(_Booked(claim, passage.uses))
             self._ahead.pop(0)
             return
+
+    def _reconsider(self, now_s: float, progress_m: float, speed_mps: float) -> None:
+        """Claims made at the same time knew nothing of each other: one that should go behind another that is not established
+        either is made anew behind it, once for each such pair."""
+        for booked in [booked for booked in self._booked if not booked.claim.established and not booked.in_use]:
+            mine = estimated_uses(booked.uses, progress_m, speed_mps, self._mobility, {})
+            behind = [
+                (theirs.rank, robot)
+                for robot, theirs in self.booking.standing_claims(booked.claim.areas)
+                if not theirs.established
+                and (theirs.rank, robot) > (booked.claim.rank, self.robot)
+                and (robot, theirs.number) not in booked.compared
+                and not self._before(mine, robot, theirs, now_s)
+            ]
+            booked.compared |= {
+                (robot, theirs.number) for robot, theirs in self.booking.standing_claims(booked.claim.areas)
+            }
+            if behind:
+                booked.claim = self.booking.claim_behind(booked.claim, behind)
 
     def _before(self, mine: Mapping[str, AreaUse], robot: str, theirs: ZoneClaim, now_s: float) -> bool:
         ago = now_s - self.booking.records[robot].heard_s
@@ -288,7 +309,8 @@ class Coordinator:
         before = self.booking.before(booked.claim).get(use.area, ())
         if not booked.claim.established or not before:
             return speed_to_stop(stop_m, self._mobility)
-        return speed_to_be_there(stop_m, self._free_s(use.area, before, now_s), speed_mps, self._mobility)
+        free_s = self._free_s(use.area, before, now_s) + self._parameters.notice_s
+        return speed_to_be_there(stop_m, free_s, speed_mps, self._mobility)
 
     def _free_s(self, area: str, before: Sequence[str], now_s: float) -> float:
         """In how many seconds the robots that go before expect to have left the area."""

@@ -24,7 +24,7 @@ from launcher.manoeuvres.roads import (
 from launcher.manoeuvres.scenario import Entrant, Scenario
 
 CROSSING_MPS, MERGE_MPS, ROUNDABOUT_MPS = 0.3, 0.5, 0.3
-_BEFORE_M, _BEHIND_M = 2.0, 1.0
+_BEFORE_M, _BEHIND_M = 2.5, 1.5
 """Of the crossing's zone: where the measurement begins and ends."""
 
 # Robots of a scenario in the order in which they go through the report's, each with its arm and turn.
@@ -36,7 +36,9 @@ _CROSSINGS = {
     "crossing-5": (("west", "left"), ("south", "straight")),
 }
 _RAMP_STARTS_M = {"merge-1": 4.0, "merge-2": 4.5, "merge-3": 5.0}
-_MAIN_START_M = 4.5
+_MAIN_START_M = 4.45
+_MERGED_M = 2.1
+"""How far behind the middle of the merge the measurement ends."""
 
 
 def crossing_scenarios() -> list[Scenario]:
@@ -63,8 +65,8 @@ def merge_scenarios() -> list[Scenario]:
         main, ramp = main_way(), ramp_way()
         edge_m = 0.5
         entrants = (
-            Entrant("robot-1", main, 7.0 - edge_m - _MAIN_START_M, _length(main) - 2.0),
-            Entrant("robot-2", ramp, _length(ramp) - 5.0 - edge_m - start_m, _length(ramp) - 2.0),
+            Entrant("robot-1", main, 7.0 - edge_m - _MAIN_START_M, 7.0 + _MERGED_M),
+            Entrant("robot-2", ramp, _length(ramp) - 5.0 - edge_m - start_m, _length(ramp) - 5.0 + _MERGED_M),
         )
         found.append(Scenario(name, (merge_zone(),), entrants, MERGE_MPS, priority=("robot-1", "robot-2")))
     return found

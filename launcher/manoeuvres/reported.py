@@ -17,6 +17,8 @@ from launcher.manoeuvres.minds import Choice, Look
 from launcher.manoeuvres.scenario import Entrant, Scenario
 from protocol.messages.zones import AreaUse, ZoneClaim, ZoneMessage, ZoneMessageType
 
+ENTRY_M = 2.0
+"""From here to the zone a vehicle books; before that it only says that it is there."""
 SILENT_S = 0.5
 REFERENCE_M = 0.5
 """Distance that the cruise control keeps."""
@@ -56,7 +58,8 @@ class Reported:
         if passage is not None:
             remaining = [use for use in passage.uses if use.exit_m > look.progress_m]
             uses = self._times(remaining, look)
-            limit, why = self._approach(remaining, uses, relevant, look)
+            if passage.enter_m - look.progress_m <= ENTRY_M:
+                limit, why = self._approach(remaining, uses, relevant, look)
         limit = min(limit, self._following(look))
         claims = (ZoneClaim(1, 0, self._booked, tuple(uses.values())),) if uses else ()
         self._sequence += 1
@@ -90,8 +93,7 @@ class Reported:
                 shared = uses.keys() & theirs.keys()
                 if not shared:
                     continue
-                mine = {area: uses[area] for area in shared}
-                if claim.established or not by_arrival((self._robot, mine), (robot, theirs)):
+                if claim.established or not by_arrival((self._robot, uses), (robot, theirs)):
                     first.append(robot)
                     free_s = max(free_s, *(theirs[area].exit_s for area in shared))
         if not first:

@@ -101,7 +101,7 @@ def roundabout_zones() -> tuple[ZoneSpec, ...]:
         turns = np.linspace(first, last, 9)
         outline = [(inner * math.cos(a), inner * math.sin(a)) for a in turns]
         outline += [(outer * math.cos(a), outer * math.sin(a)) for a in turns[::-1]]
-        zones.append(ZoneSpec(id=f"entry-{arm}", detection_m=2.0, subareas={"entry": tuple(outline)}))
+        zones.append(ZoneSpec(id=f"entry-{arm}", detection_m=DETECTION_M, subareas={"entry": tuple(outline)}))
     return tuple(zones)
 
 
