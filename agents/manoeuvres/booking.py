@@ -8,13 +8,16 @@ docs/manoeuvres.md:
    claim overtakes an established one. The claimant then claims anew with a higher rank.
 3. Whoever has acknowledged a claim makes no later claim of a lower rank on a shared area while that one stands.
 4. A claim is *established* once every relevant robot has acknowledged it; it stays so.
-5. An area may be entered with an established claim when no acknowledged claim of a lower rank has it any more.
+5. An area may be entered with an established claim when no acknowledged claim of a lower rank has it any more, and nobody says
+   that it is in it.
 
 Nothing of this depends on clocks. Times serve the order (who would be there first) and the plan (when an area will be free).
 """
 
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
+
+from msgspec.structs import replace
 from typing import TypeAlias
 
 from protocol.messages.zones import AreaUse, ZoneClaim, ZoneMessage, ZoneMessageType
@@ -172,13 +175,20 @@ class Booking:
         return Standing(frozenset() if claim.established else missing, silent, self.before(claim))
 
     def before(self, claim: Claim) -> dict[str, tuple[str, ...]]:
-        """By area of the claim, the robots that go before and still have it."""
+        """By area of the claim, the robots that go before and still have it, or are in it."""
         ahead = [
             (robot, theirs)
             for robot, theirs in self._others()
             if theirs.number in self._acked[robot] and (theirs.rank, robot) < (claim.rank, self.robot)
         ]
-        return {area: tuple(robot for robot, theirs in ahead if _shares(theirs, (area,))) for area in claim.areas}
+        return {
+            area: tuple(sorted({robot for robot, theirs in ahead if _shares(theirs, (area,))} | self.inside(area)))
+            for area in claim.areas
+        }
+
+    def inside(self, area: str) -> set[str]:
+        """The robots that say they are in the area, whatever their ranks: one that has begun anew there has forgotten its rank."""
+        return {robot for robot, theirs in self._others() for use in theirs.areas if use.inside and use.area == area}
 
     def message(self, uses: Mapping[str, AreaUse], authority: tuple[float, float] | None = None) -> ZoneMessage:
         """What is to be sent now to all who matter. `uses` has, by area, when it will be entered and left."""
@@ -190,7 +200,7 @@ class Booking:
             self._boot,
             self._sequence,
             tuple(
-                ZoneClaim(claim.number, claim.rank, claim.established, tuple(uses[area] for area in claim.areas))
+                ZoneClaim(claim.number, claim.rank, claim.established, tuple(replace(uses[area], inside=area in claim.entered) for area in claim.areas))
                 for claim in self.claims
             ),
             {robot: tuple(sorted(numbers)) for robot, numbers in self._acked.items() if numbers},

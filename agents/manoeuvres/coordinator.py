@@ -5,7 +5,7 @@ Pure like the booking it drives. One cycle: `hear` what came, then `step`.
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -19,6 +19,9 @@ from agents.manoeuvres.timing import estimated_uses
 from agents.manoeuvres.traffic import Ahead, Sighting, ZoneMap, ahead_on
 from protocol.messages.zones import AreaUse, ZoneClaim, ZoneMessage
 
+_STANDS_MPS = 0.02
+_LINE_M = 0.02
+"""How far before an area a robot stops: more than its estimate trembles, or one that begins anew there would think it is inside."""
 _ACROSS_RAD = math.pi / 4
 """Another vehicle whose heading differs by more does not go the same way."""
 
@@ -80,6 +83,7 @@ class Coordinator:
         self._way: Way | None = None
         self._ahead: list[Passage] = []
         self._booked: list[_Booked] = []
+        self._behind_others = replace(mobility, reaction_s=mobility.reaction_s + parameters.sight_s)
         self._standing_m = float(np.ptp(self._outline[:, 0])) + 2 * parameters.margin_m + parameters.standing_m
 
     def drive(self, way: Way) -> None:
@@ -113,8 +117,8 @@ class Coordinator:
         near = self._zones.near(here.x, here.y)
         self._forget_those_away(seen, now_s)
         self._leave(progress_m, near)
-        self._yield(seen)
         leaders = ahead_on(self._way, progress_m, self._outline, seen)
+        self._yield(progress_m, speed_mps, leaders, seen)
         self._book(now_ns, now_s, progress_m, speed_mps, near, leaders, seen)
         self._reconsider(now_s, progress_m, speed_mps)
         self.booking.acknowledge()
@@ -125,7 +129,7 @@ class Coordinator:
             standing = self.booking.standing(booked.claim, self._relevant(booked, seen), now_s)
             for use in booked.remaining:
                 why = self._refused(booked, use, standing, seen, sight_age_s)
-                stop_m = use.enter_m - progress_m
+                stop_m = use.enter_m - progress_m - _LINE_M
                 if why is None:
                     if stop_m <= stopping_m(speed_mps, self._mobility) + self._parameters.standing_m:
                         booked.claim.enter(use.area)
@@ -136,7 +140,7 @@ class Coordinator:
         unbooked = next((p for p in self._ahead if p.exit_m > progress_m), None)
         if unbooked is not None:
             authority = min(authority, unbooked.enter_m)
-            limit = min(limit, speed_to_stop(unbooked.enter_m - progress_m, self._mobility))
+            limit = min(limit, speed_to_stop(unbooked.enter_m - progress_m - _LINE_M, self._mobility))
         stop = None if math.isinf(authority) else self._way.at(authority)
         message = self.booking.message(
             self._uses(now_s, progress_m, speed_mps), None if stop is None else (stop.x, stop.y)
@@ -158,12 +162,12 @@ class Coordinator:
         self._ahead = [passage for passage in self._ahead if passage.exit_m > progress_m]
         while self._ahead and all(booked.claim.established for booked in self._booked):
             passage = self._ahead[0]
-            inside = [use for use in passage.uses if use.enter_m <= progress_m < use.exit_m]
+            inside = [use for use in passage.uses if use.enter_m + _LINE_M / 2 <= progress_m < use.exit_m]
             stop_m = passage.enter_m - progress_m
             waits = stop_m <= stopping_m(speed_mps, self._mobility) + self._parameters.standing_m
             if not inside and (
-                not passage.zones & near
-                or not self._may_claim(passage, progress_m, leaders)
+                not passage.zones <= near
+                or not self._may_claim(passage.enter_m, progress_m, speed_mps, leaders)
                 or (waits and self._no_room(passage.uses, seen))
             ):
                 return
@@ -171,7 +175,7 @@ class Coordinator:
             mine = estimated_uses(passage.uses, progress_m, speed_mps, self._mobility, {})
             arrival_s = min(use.enter_s for use in mine.values())
             before: list[Order] = []
-            behind: list[Order] = []
+            behind = self._claims_ahead(passage.enter_m, areas, progress_m, leaders)
             for robot, theirs in self.booking.unanswered(areas):
                 (before if self._before(mine, robot, theirs, now_s) else behind).append((theirs.rank, robot))
             if arrival_s > self._parameters.claim_ahead_s and not before and not inside:
@@ -210,16 +214,32 @@ class Coordinator:
             (self.robot, {area: mine[area] for area in shared}), (robot, {area: other[area] for area in shared})
         )
 
-    def _may_claim(self, passage: Passage, progress_m: float, leaders: Sequence[Ahead]) -> bool:
-        """Not past one that is ahead on the way and has not booked: it would wait for the robot behind it."""
+    def _before_passage(self, enter_m: float, progress_m: float, leaders: Sequence[Ahead]) -> list[Ahead]:
+        """Vehicles that are ahead on the way and will be at the passage before the robot."""
         front_m = float(self._outline[:, 0].max())
-        for leader in leaders:
-            if progress_m + front_m + leader.gap_m > passage.enter_m:
-                continue
+        return [leader for leader in leaders if progress_m + front_m + leader.gap_m <= enter_m]
+
+    def _may_claim(self, enter_m: float, progress_m: float, speed_mps: float, leaders: Sequence[Ahead]) -> bool:
+        """Not past one that is ahead and has not booked: it would wait for the robot behind it; nor while standing behind one that
+        stands: what it waits for may be waiting for this claim."""
+        for leader in self._before_passage(enter_m, progress_m, leaders):
             record = self.booking.records.get(leader.robot)
             if record is None or not record.message.claims:
                 return False
+            if speed_mps < _STANDS_MPS and leader.speed_mps < _STANDS_MPS and leader.gap_m < self._standing_m:
+                return False
         return True
+
+    def _claims_ahead(
+        self, enter_m: float, areas: Sequence[str], progress_m: float, leaders: Sequence[Ahead]
+    ) -> list[Order]:
+        """The claims of those ahead on the way on the same areas: they come first whatever their ranks."""
+        return [
+            (theirs.rank, leader.robot)
+            for leader in self._before_passage(enter_m, progress_m, leaders)
+            for robot, theirs in self.booking.standing_claims(areas)
+            if robot == leader.robot
+        ]
 
     def _leave(self, progress_m: float, near: frozenset[str]) -> None:
         for booked in list(self._booked):
@@ -228,21 +248,43 @@ class Coordinator:
                     self.booking.leave(booked.claim, area)
             if not booked.claim.areas:
                 self._booked.remove(booked)
-            elif not booked.in_use and not near & {use.zone for use in booked.remaining}:
+            elif not booked.in_use and not {use.zone for use in booked.remaining} <= near:
                 self._withdraw(booked, again=True)
 
-    def _yield(self, seen: Mapping[str, Sighting]) -> None:
-        """Gives back bookings not in use that keep a robot from leaving an area it is in: one that has forgotten its booking."""
-        for booked in [booked for booked in self._booked if not booked.in_use]:
-            mine = (booked.claim.rank, self.robot)
-            if any(
-                use.area in booked.claim.areas and robot in seen and self._zones.touches(use.area, seen[robot])
-                for robot, record in self.booking.records.items()
-                for theirs in record.message.claims
-                if (theirs.rank, robot) > mine
-                for use in theirs.areas
+    def _yield(
+        self, progress_m: float, speed_mps: float, leaders: Sequence[Ahead], seen: Mapping[str, Sighting]
+    ) -> None:
+        """Gives back bookings that are not in use where they would keep others waiting for nothing, or for ever."""
+        for index, booked in enumerate(list(self._booked)):
+            if booked.in_use:
+                continue
+            enter_m = min(use.enter_m for use in booked.remaining)
+            at_line = enter_m - progress_m <= stopping_m(speed_mps, self._mobility) + self._parameters.standing_m
+            if (at_line and self._no_room(booked.uses, seen)) or not self._may_claim(
+                enter_m, progress_m, speed_mps, leaders
             ):
+                for later in reversed(self._booked[index:]):
+                    self._withdraw(later, again=True)
+                return
+            areas = booked.claim.areas
+            overtaken = [
+                order
+                for order in self._claims_ahead(enter_m, areas, progress_m, leaders)
+                if order > (booked.claim.rank, self.robot)
+            ]
+            if overtaken:
+                booked.claim = self.booking.claim_behind(booked.claim, overtaken)
+            elif any(self._keeps_in(booked.claim, robot) for area in areas for robot in self.booking.inside(area)):
                 self._withdraw(booked, again=True)
+                return
+
+    def _keeps_in(self, claim: Claim, robot: str) -> bool:
+        """Whether a robot that is in an area of the claim would wait for it: one that has begun anew there."""
+        return any(
+            (theirs.rank, robot) > (claim.rank, self.robot)
+            for other, theirs in self.booking.standing_claims(claim.areas)
+            if other == robot
+        )
 
     def _withdraw(self, booked: _Booked, *, again: bool = False) -> None:
         self.booking.withdraw(booked.claim)
@@ -330,7 +372,7 @@ class Coordinator:
         for leader in leaders:
             if leader.turn_rad > _ACROSS_RAD and self._in_zone(seen[leader.robot]):
                 continue  # crosses: the booking says who goes first, and its area is not entered
-            limit = min(limit, speed_behind(leader.gap_m, leader.speed_mps, self._standing_gap_m, self._mobility))
+            limit = min(limit, speed_behind(leader.gap_m, leader.speed_mps, self._standing_gap_m, self._behind_others))
         return limit
 
     def _in_zone(self, other: Sighting) -> bool:

@@ -9,7 +9,8 @@ class ManoeuvreParameters:
     use areas one after the other keep twice that apart); `standing_m`: what is left free before a stop line and behind a
     robot that stands. A robot claims `claim_ahead_s` before it would be at the first area. `silent_s`: a robot not
     heard for longer counts as silent; sightings older than `seen_s` count as none. `reaction_s` from a permission's end until
-    the wheels brake; `notice_s` from an area's being left until those who wait know it."""
+    the wheels brake; `notice_s` from an area's being left until those who wait know it;
+    `sight_s` from another vehicle's braking until it is seen."""
 
     margin_m: float = 0.05
     standing_m: float = 0.05
@@ -18,6 +19,7 @@ class ManoeuvreParameters:
     seen_s: float = 0.5
     reaction_s: float = 0.1
     notice_s: float = 0.12
+    sight_s: float = 0.15
     away_m: float = 0.3
 
 

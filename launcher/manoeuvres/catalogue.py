@@ -14,6 +14,7 @@ from launcher.manoeuvres.roads import (
     chain_zones,
     crossing_way,
     crossing_zone,
+    MERGE_M,
     main_way,
     merge_zone,
     ramp_way,
@@ -63,7 +64,7 @@ def merge_scenarios() -> list[Scenario]:
     found: list[Scenario] = []
     for name, start_m in _RAMP_STARTS_M.items():
         main, ramp = main_way(), ramp_way()
-        edge_m = 0.5
+        edge_m = MERGE_M - 0.3
         entrants = (
             Entrant("robot-1", main, 7.0 - edge_m - _MAIN_START_M, 7.0 + _MERGED_M),
             Entrant("robot-2", ramp, _length(ramp) - 5.0 - edge_m - start_m, _length(ramp) - 5.0 + _MERGED_M),

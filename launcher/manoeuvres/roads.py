@@ -62,14 +62,14 @@ def wide_crossing_zone() -> ZoneSpec:
     return ZoneSpec(id="wide-crossing", detection_m=DETECTION_M + LANE_M, subareas=cells)
 
 
-MERGE_M = 1.0
-"""Length of the merge's zone along the main road, which is the least distance it leaves between two vehicles (Gulliver 2025, 3.2)."""
+MERGE_M = 1.5
+"""Length of the merge's zone along the main road, which is the least distance it leaves between two vehicles (Gulliver 2025, 3.2); it begins where two bodies side by side on the two lanes would touch."""
 
 
 def merge_zone() -> ZoneSpec:
     """Where the ramp comes onto the main road (which runs along y = 0 towards +x): its mouth."""
     return ZoneSpec(
-        id="merge", detection_m=6.0, subareas={"mouth": _box(-MERGE_M / 2, -LANE_M / 2, MERGE_M / 2, LANE_M / 2)}
+        id="merge", detection_m=6.0, subareas={"mouth": _box(0.3 - MERGE_M, -LANE_M / 2, 0.3, LANE_M / 2)}
     )
 
 
@@ -91,12 +91,16 @@ RING_M = 1.0
 """Radius of the roundabout's lane."""
 
 
+_ARM_OFFSET_M, _ENTRY_RAD = 0.42, 0.6
+"""Of a roundabout's arms: a lane's distance from the arm's middle, and where it meets the ring, from that middle."""
+
+
 def roundabout_zones() -> tuple[ZoneSpec, ...]:
     """A ring with four arms; before each arm's entry the stretch of the ring where it comes in."""
     zones: list[ZoneSpec] = []
     for index, arm in enumerate(ARMS):
         angle = index * math.pi / 2 - math.pi / 2
-        first, last = angle - 0.1, angle + 0.75
+        first, last = angle + 0.1, angle + 1.15
         inner, outer = RING_M - LANE_M / 2, RING_M + LANE_M / 2
         turns = np.linspace(first, last, 9)
         outline = [(inner * math.cos(a), inner * math.sin(a)) for a in turns]
@@ -109,8 +113,8 @@ def roundabout_way(arm: str, exits: int) -> Points:
     """In at an arm, counter-clockwise around the ring, out at the `exits`-th arm (1: the next to the right; 4: where it came from)."""
     if not 1 <= exits <= 4:
         raise ValueError(f"a roundabout of four arms has exits 1 to 4, not {exits}")
-    offset = LANE_M / 2
-    entry = math.radians(20)
+    offset = _ARM_OFFSET_M
+    entry = _ENTRY_RAD
     radius = RING_M
     first = -math.pi / 2 + entry
     last = -math.pi / 2 + exits * math.pi / 2 - entry
