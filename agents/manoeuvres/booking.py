@@ -1,7 +1,7 @@
 """Who goes first: the distributed booking of exclusive areas, as one robot sees it.
 
-Pure: messages, sightings and times come in, the own message and what may be entered come out. The rules, whose safety is argued in
-docs/manoeuvres.md:
+Pure: messages, sightings and times come in, the own message and what may be entered come out. The rules, whose safety is argued
+in docs/manoeuvres.md:
 
 1. A robot *claims* all areas of one passage at once, with a rank. Ranks (with the robot's id) order all claims.
 2. It *acknowledges* a claim of another by its number, unless it has an established claim of a higher rank on a shared area: no
@@ -16,9 +16,9 @@ Nothing of this depends on clocks. Times serve the order (who would be there fir
 
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
+from typing import TypeAlias
 
 from msgspec.structs import replace
-from typing import TypeAlias
 
 from protocol.messages.zones import AreaUse, ZoneClaim, ZoneMessage, ZoneMessageType
 
@@ -187,7 +187,8 @@ class Booking:
         }
 
     def inside(self, area: str) -> set[str]:
-        """The robots that say they are in the area, whatever their ranks: one that has begun anew there has forgotten its rank."""
+        """The robots that say they are in the area, whatever their ranks: one that has begun anew there has forgotten its
+        rank."""
         return {robot for robot, theirs in self._others() for use in theirs.areas if use.inside and use.area == area}
 
     def message(self, uses: Mapping[str, AreaUse], authority: tuple[float, float] | None = None) -> ZoneMessage:
@@ -200,7 +201,12 @@ class Booking:
             self._boot,
             self._sequence,
             tuple(
-                ZoneClaim(claim.number, claim.rank, claim.established, tuple(replace(uses[area], inside=area in claim.entered) for area in claim.areas))
+                ZoneClaim(
+                    claim.number,
+                    claim.rank,
+                    claim.established,
+                    tuple(replace(uses[area], inside=area in claim.entered) for area in claim.areas),
+                )
                 for claim in self.claims
             ),
             {robot: tuple(sorted(numbers)) for robot, numbers in self._acked.items() if numbers},

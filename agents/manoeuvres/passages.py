@@ -82,8 +82,8 @@ class Way:
 def uses_of(
     way: Way, footprint: Sequence[tuple[float, float]], zones: Iterable[ZoneSpec], margin_m: float
 ) -> list[Use]:
-    """Every use of a sub-area on the way, by entering. The body is the `footprint` (m, seen from the rotation centre) grown by the
-    margin, its heading along the way; distances are right to about a millimetre, on the safe side."""
+    """Every use of a sub-area on the way, by entering. The body is the `footprint` (m, seen from the rotation centre) grown by
+    the margin, its heading along the way; distances are right to about a millimetre, on the safe side."""
     body = shapely.Polygon(footprint).buffer(margin_m, join_style="mitre")
     distances = np.arange(0.0, way.length_m + _STEP_M, _STEP_M)
     bodies = _placed(body, way.poses(distances))
@@ -123,7 +123,7 @@ def _placed(body: shapely.Polygon, poses: NDArray[np.float64]) -> NDArray[np.obj
     cos, sin = np.cos(poses[:, 2])[:, None], np.sin(poses[:, 2])[:, None]
     x = poses[:, :1] + cos * outline[:, 0] - sin * outline[:, 1]
     y = poses[:, 1:2] + sin * outline[:, 0] + cos * outline[:, 1]
-    return shapely.polygons(np.stack([x, y], axis=-1))
+    return np.asarray(shapely.polygons(np.stack([x, y], axis=-1)), dtype=np.object_)
 
 
 def _runs(touched: NDArray[np.bool_]) -> list[tuple[int, int]]:

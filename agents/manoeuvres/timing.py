@@ -24,7 +24,8 @@ def estimated_uses(
     uses: Sequence[Use], progress_m: float, speed_mps: float, mobility: Mobility, free_s: Mapping[str, float]
 ) -> dict[str, AreaUse]:
     """By area, when it will be entered and left (s from now). Areas in `free_s` are free only then: the robot is one way of
-    stopping before them at that moment, at full speed, as `speed_to_be_there` has it, and all that follows is later by as much."""
+    stopping before them at that moment, at full speed, as `speed_to_be_there` has it, and all that follows is later by as
+    much."""
     full_stop_m = stopping_m(mobility.speed_mps, mobility)
     late_s = 0.0
     for use in uses:

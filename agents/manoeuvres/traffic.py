@@ -95,7 +95,12 @@ def ahead_on(
         first = int(np.flatnonzero(inside.any(axis=0))[0])
         turn = other.pose.yaw - float(lane[first, 2])
         found.append(
-            Ahead(robot, max(0.0, first * _SAMPLE_M - front_m), max(0.0, other.speed_mps * float(np.cos(turn))), abs(wrap_angle(turn)))
+            Ahead(
+                robot,
+                max(0.0, first * _SAMPLE_M - front_m),
+                max(0.0, other.speed_mps * float(np.cos(turn))),
+                abs(wrap_angle(turn)),
+            )
         )
     return sorted(found, key=lambda one: one.gap_m)
 

@@ -1,7 +1,7 @@
 """The scenarios of the 2025 evaluation (4.2.1), and scenes with many vehicles.
 
-Where the report leaves things open (docs/manoeuvres.md): positions 1 to 4 are the south, east, north and west arm; ways 1 and 2 go
-straight on along the two roads, ways 3 and 4 turn left from the east and the west.
+Where the report leaves things open (docs/manoeuvres.md): positions 1 to 4 are the south, east, north and west arm; ways 1 and 2
+go straight on along the two roads, ways 3 and 4 turn left from the east and the west.
 """
 
 import numpy as np
@@ -10,11 +10,11 @@ from launcher.manoeuvres.roads import (
     ARM_M,
     ARMS,
     LANE_M,
+    MERGE_M,
     chain_way,
     chain_zones,
     crossing_way,
     crossing_zone,
-    MERGE_M,
     main_way,
     merge_zone,
     ramp_way,
@@ -78,10 +78,11 @@ def roundabout_scenarios() -> list[Scenario]:
     ring = roundabout_way("south", 3)
     coming = roundabout_way("east", 2)
     entrants = (
-        Entrant("robot-1", ring, 2.2, _length(ring) - 1.5),
+        Entrant("robot-1", ring, 3.3, _length(ring) - 1.5),
         Entrant("robot-2", coming, 1.0, _length(coming) - 1.5),
     )
-    return [Scenario("roundabout", roundabout_zones(), entrants, ROUNDABOUT_MPS, priority=("robot-1", "robot-2"))]
+    entry = tuple(zone for zone in roundabout_zones() if zone.id == "entry-east")
+    return [Scenario("roundabout", entry, entrants, ROUNDABOUT_MPS, priority=("robot-1", "robot-2"))]
 
 
 def report_scenarios() -> list[Scenario]:
@@ -93,7 +94,8 @@ SCENES = ("crossing", "merge", "roundabout", "wide-crossing", "chain")
 
 
 def many(scene: str, vehicles: int, seed: int, *, headway_s: float = 2.0) -> Scenario:
-    """A scene with that many vehicles, whose ways and arrivals are drawn: exponential with a mean of `headway_s` between arrivals."""
+    """A scene with that many vehicles, whose ways and arrivals are drawn: exponential with a mean of `headway_s` between
+    arrivals."""
     rng = np.random.default_rng([seed, *scene.encode()])
     at_s = np.cumsum(rng.exponential(headway_s, vehicles)) - headway_s
     entrants: list[Entrant] = []

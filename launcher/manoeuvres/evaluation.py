@@ -15,7 +15,8 @@ NORMAL = Impairment(SimulatedNetwork(delay_s=0.005, jitter_s=0.01, loss=0.01))
 
 @dataclass(frozen=True, slots=True)
 class Delay:
-    """Of one scenario: the quotient, of the vehicle that was delayed most, the least distance of outlines (m), and the last run."""
+    """Of one scenario: the quotient, of the vehicle that was delayed most, the least distance of outlines (m), and the last
+    run."""
 
     fk: float
     robot: str

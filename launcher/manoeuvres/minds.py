@@ -18,8 +18,8 @@ _EPOCH_NS = 1_700_000_000_000_000_000
 
 @dataclass(frozen=True, slots=True)
 class Look:
-    """What a vehicle knows in a cycle: the time (s), how far along its way it believes to be (m), its speed (m/s) and the others as
-    the cameras saw them `sight_age_s` ago."""
+    """What a vehicle knows in a cycle: the time (s), how far along its way it believes to be (m), its speed (m/s) and the
+    others as the cameras saw them `sight_age_s` ago."""
 
     now_s: float
     progress_m: float
@@ -82,7 +82,7 @@ class Cooperative:
             sight_age_s=look.sight_age_s,
         )
         holds = frozenset(area for claim in self.coordinator.booking.claims for area in claim.entered)
-        why = "" if advice.hold is None else f"{advice.hold.area}: {advice.hold.why} ({', '.join(advice.hold.robots)})"
+        why = "" if advice.hold is None else str(advice.hold)
         return Choice(advice.speed_mps, holds, why, advice.message, advice.recipients)
 
     def _ns(self, now_s: float) -> int:

@@ -9,6 +9,8 @@ from lab.network import LossyLink
 from protocol.lab import SimulatedNetwork
 from protocol.messages.zones import ZoneMessage
 
+GOOD = SimulatedNetwork(delay_s=0.005)
+
 
 @dataclass(frozen=True, slots=True)
 class Cut:
@@ -27,12 +29,9 @@ class Cut:
 class Impairment:
     """What is wrong with the network, and until when (s): after that it only delays as a good one does."""
 
-    network: SimulatedNetwork = SimulatedNetwork(delay_s=0.005)
+    network: SimulatedNetwork = GOOD
     cuts: tuple[Cut, ...] = ()
     heals_s: float = np.inf
-
-
-_GOOD = SimulatedNetwork(delay_s=0.005)
 
 
 class SceneNetwork:
@@ -58,5 +57,5 @@ class SceneNetwork:
         key = source, target, healed
         if key not in self._links:
             seed = [self._seed, *source.encode(), 0, *target.encode(), int(healed)]
-            self._links[key] = LossyLink(_GOOD if healed else self._impairment.network, seed)
+            self._links[key] = LossyLink(GOOD if healed else self._impairment.network, seed)
         return self._links[key]

@@ -1,12 +1,12 @@
 """The best that two vehicles could do, computed offline with all knowledge: what a method's delay is to be measured against.
 
-Two optima: the `zones` one keeps to the zones as they are drawn, a sub-area is used by one vehicle at a time; the `bodies` one knows
-no zones and only keeps the outlines apart.
+Two optima: the `zones` one keeps to the zones as they are drawn, a sub-area is used by one vehicle at a time; the `bodies` one
+knows no zones and only keeps the outlines apart.
 
-Both drive their given ways. One goes first, unhindered; the other may choose any speed profile within its limits, knows the first's
-drive from the beginning, hears at no delay, and only has to keep `GAP_M` between the outlines at all times. That is a linear program:
-at every instant the second may have come at most as far as the first place at which, with the first where it is then, the
-outlines would be too near. The better order counts.
+Both drive their given ways. One goes first, unhindered; the other may choose any speed profile within its limits, knows the
+first's drive from the beginning, hears at no delay, and only has to keep `GAP_M` between the outlines at all times. That is a
+linear program: at every instant the second may have come at most as far as the first place at which, with the first where it is
+then, the outlines would be too near. The better order counts.
 """
 
 import math
@@ -18,7 +18,6 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 from scipy.optimize import linprog
-from scipy.sparse import diags, eye_array, vstack
 
 from agents.manoeuvres.passages import Way, uses_of
 from launcher.manoeuvres.scenario import Entrant, Scenario
@@ -66,32 +65,33 @@ def _behind(scenario: Scenario, first: Entrant, second: Entrant, limits: _Limits
     speed = scenario.speed_mps
     free_s = (second.goal_m - second.start_m) / speed
     count = math.ceil((free_s * 3 + (first.goal_m - first.start_m) / speed) / _STEP_S)
-    times = np.arange(1, count + 1) * _STEP_S
+    times: NDArray[np.float64] = np.arange(1, count + 1, dtype=np.float64) * _STEP_S
     limit = limits(scenario, first, second, times)
-    up, down = scenario.acceleration_mps2 * _STEP_S, scenario.deceleration_mps2 * _STEP_S
     # Speeds at the end of each step are the variables; the way is their sum (trapezia, from full speed).
-    sums = np.tril(np.ones((count, count))) * _STEP_S
-    ways = sums - eye_array(count).toarray() * (_STEP_S / 2)
-    start = np.full(count, speed * _STEP_S / 2)
+    ways = np.tril(np.full((count, count), _STEP_S)) - np.eye(count) * (_STEP_S / 2)
+    start_m = second.start_m + speed * _STEP_S / 2
     bounded = np.isfinite(limit)
-    change = diags([np.ones(count), -np.ones(count - 1)], [0, -1]).tocsr()
+    change = np.eye(count) - np.eye(count, k=-1)
     initial = np.zeros(count)
     initial[0] = speed
-    rows = vstack([ways[bounded], change, -change]).tocsr()
-    right = np.concatenate([(limit - second.start_m - start)[bounded], up + initial, down - initial])
-    solved = linprog(-ways[-1], A_ub=rows, b_ub=right, bounds=(0.0, speed), method="highs")
-    if not solved.success:
+    up, down = scenario.acceleration_mps2 * _STEP_S, scenario.deceleration_mps2 * _STEP_S
+    solved = linprog(
+        -ways[-1],
+        A_ub=np.vstack([ways[bounded], change, -change]),
+        b_ub=np.concatenate([limit[bounded] - start_m, up + initial, down - initial]),
+        bounds=(0.0, speed),
+        method="highs",
+    )
+    if not solved.success or solved.x is None:
         return None
-    along = second.start_m + start + ways @ solved.x
+    along = start_m + ways @ solved.x
     if along[-1] < second.goal_m:
         return None
     took_s = float(np.interp(second.goal_m, along, times))
     return Best(took_s, free_s, first.robot)
 
 
-def _by_zones(
-    scenario: Scenario, first: Entrant, second: Entrant, times: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _by_zones(scenario: Scenario, first: Entrant, second: Entrant, times: NDArray[np.float64]) -> NDArray[np.float64]:
     """How far the second may have come at each time: before each area that the first has yet to leave. Both are grown by half
     the gap."""
     uses = {

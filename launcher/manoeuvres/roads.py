@@ -63,14 +63,13 @@ def wide_crossing_zone() -> ZoneSpec:
 
 
 MERGE_M = 1.5
-"""Length of the merge's zone along the main road, which is the least distance it leaves between two vehicles (Gulliver 2025, 3.2); it begins where two bodies side by side on the two lanes would touch."""
+"""Length of the merge's zone along the main road, which is the least distance it leaves between two vehicles (Gulliver 2025,
+3.2); it begins where two bodies side by side on the two lanes would touch."""
 
 
 def merge_zone() -> ZoneSpec:
     """Where the ramp comes onto the main road (which runs along y = 0 towards +x): its mouth."""
-    return ZoneSpec(
-        id="merge", detection_m=6.0, subareas={"mouth": _box(0.3 - MERGE_M, -LANE_M / 2, 0.3, LANE_M / 2)}
-    )
+    return ZoneSpec(id="merge", detection_m=6.0, subareas={"mouth": _box(0.3 - MERGE_M, -LANE_M / 2, 0.3, LANE_M / 2)})
 
 
 def main_way() -> Points:
@@ -110,7 +109,8 @@ def roundabout_zones() -> tuple[ZoneSpec, ...]:
 
 
 def roundabout_way(arm: str, exits: int) -> Points:
-    """In at an arm, counter-clockwise around the ring, out at the `exits`-th arm (1: the next to the right; 4: where it came from)."""
+    """In at an arm, counter-clockwise around the ring, out at the `exits`-th arm (1: the next to the right; 4: where it came
+    from)."""
     if not 1 <= exits <= 4:
         raise ValueError(f"a roundabout of four arms has exits 1 to 4, not {exits}")
     offset = _ARM_OFFSET_M
@@ -139,8 +139,8 @@ def chain_zones() -> tuple[ZoneSpec, ...]:
 
 
 def chain_way(kind: str) -> Points:
-    """`east` and `west`: along all three. `north-i`, `south-i`: across the i-th one. `zigzag`: comes from the south at the first, goes
-    along to the second and leaves to the north at the third."""
+    """`east` and `west`: along all three. `north-i`, `south-i`: across the i-th one. `zigzag`: comes from the south at the
+    first, goes along to the second and leaves to the north at the third."""
     half, reach = LANE_M / 2, CHAIN_M + ARM_M
     if kind in ("east", "west"):
         return ((-reach, -half), (reach, -half)) if kind == "east" else ((reach, half), (-reach, half))

@@ -10,8 +10,8 @@ WIFIBOT = ((-0.15, -0.16), (0.15, -0.16), (0.15, 0.16), (-0.15, 0.16))
 
 @dataclass(frozen=True, slots=True)
 class Entrant:
-    """A vehicle of a scene: it is put at `start_m` of its way at `at_s`, driving at its full speed, and is through at `goal_m`, where
-    it leaves the scene. Its time is measured between the two."""
+    """A vehicle of a scene: it is put at `start_m` of its way at `at_s`, driving at its full speed, and is through at `goal_m`,
+    where it leaves the scene. Its time is measured between the two."""
 
     robot: str
     way: tuple[tuple[float, float], ...]

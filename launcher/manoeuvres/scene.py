@@ -48,8 +48,8 @@ class Passing:
 
 @dataclass(slots=True)
 class SceneRun:
-    """What came of it: drives by robot; steps with a double hold and with touching outlines; the least distance of two outlines (m);
-    the speeds by robot (s, m along the way, m/s); and why vehicles waited when it ended."""
+    """What came of it: drives by robot; steps with a double hold and with touching outlines; the least distance of two outlines
+    (m); the speeds by robot (s, m along the way, m/s); and why vehicles waited when it ended."""
 
     passings: dict[str, Passing] = field(default_factory=dict[str, Passing])
     double_holds: int = 0

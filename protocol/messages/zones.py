@@ -27,7 +27,8 @@ class ZoneMessageType(StrEnum):
 
 class AreaUse(Struct, frozen=True, forbid_unknown_fields=True):
     """A sub-area that the robot has yet to leave, and in how many seconds from the message's stamp it expects to touch it first
-    and to have left it (seconds from now need no agreement of clocks). `inside`: it is in it, or cannot stop before it any more."""
+    and to have left it (seconds from now need no agreement of clocks). `inside`: it is in it, or cannot stop before it any
+    more."""
 
     area: AreaId
     enter_s: Real
