@@ -11,7 +11,9 @@ in docs/manoeuvres.md:
 5. An area may be entered with an established claim when no acknowledged claim of a lower rank has it any more, and nobody says
    that it is in it.
 
-Nothing of this depends on clocks. Times serve the order (who would be there first) and the plan (when an area will be free).
+Safety needs that the newest message counts, that acknowledgements name claims, and rules 4 and 5; rules 2 and 3 keep those who
+have been promised their turn from being overtaken. Nothing of this depends on clocks: times serve the order (who would be there
+first) and the plan (when an area will be free).
 """
 
 from collections.abc import Collection, Iterable, Mapping
