@@ -28,7 +28,11 @@ def plot_situation(situation: str, rows: Sequence[Row], path: Path) -> None:
         axes[0].bar(places + 0.2 * (index - 1.5), np.array(heights) - 1, 0.19, bottom=1, color=colour, label=label)
     axes[0].axhline(PUBLISHED_MEAN[situation], color="tab:red", linestyle="--", label="published mean")
     axes[0].set_xticks(places, [row.scenario.name for row in rows])
-    axes[0].set(ylabel="FK", ylim=(1.0, None), title=f"{situation}: time through by time alone")
+    axes[0].set(
+        ylabel="FK",
+        ylim=(1.0, max(max(heights) for _, heights, _ in bars) + 0.15),
+        title=f"{situation}: time through by time alone",
+    )
     axes[0].legend(fontsize="small", ncols=3)
     for row, below in zip(rows, axes[1:], strict=True):
         for style, method in (("-", row.ours), ("--", row.reported)):

@@ -5,14 +5,16 @@ from pathlib import Path
 
 import pytest
 
+from agents.manoeuvres.traffic import ZoneMap
 from launcher.cli import main
 from launcher.manoeuvres.catalogue import SCENES, many, report_scenarios, roundabout_scenarios
 from launcher.manoeuvres.evaluation import delay
-from launcher.manoeuvres.minds import Cooperative
+from launcher.manoeuvres.minds import Choice, Cooperative, Look, Mind
 from launcher.manoeuvres.optimum import best
 from launcher.manoeuvres.reported import Reported
-from launcher.manoeuvres.scenario import Scenario
+from launcher.manoeuvres.scenario import Entrant, Scenario
 from launcher.manoeuvres.scene import Scene
+from protocol.messages.zones import ZoneMessage
 
 SCENARIOS = {scenario.name: scenario for scenario in report_scenarios()}
 
@@ -59,8 +61,6 @@ def test_an_unknown_scene_is_refused() -> None:
 
 def test_a_mind_that_never_brakes_is_seen_to_collide() -> None:
     """What the judge of the scenes is worth."""
-    from launcher.manoeuvres.minds import Choice, Look
-    from protocol.messages.zones import ZoneMessage
 
     class Reckless:
         def hear(self, message: ZoneMessage, now_s: float) -> None: ...
@@ -68,8 +68,10 @@ def test_a_mind_that_never_brakes_is_seen_to_collide() -> None:
         def choose(self, look: Look) -> Choice:
             return Choice(1.0, frozenset({"crossing/ne"}))
 
-    scenario: Scenario = SCENARIOS["crossing-3"]
-    run = Scene(scenario, lambda *_: Reckless()).run(60.0)
+    def reckless(scenario: Scenario, entrant: Entrant, zones: ZoneMap, now_s: float) -> Mind:
+        return Reckless()
+
+    run = Scene(SCENARIOS["crossing-3"], reckless).run(60.0)
     assert run.contacts > 0
     assert run.double_holds > 0
 
