@@ -8,7 +8,19 @@ from typing import Protocol, cast
 from launcher.errors import UsageError
 from launcher.output import Result, print_result
 
-EXPERIMENTS = ("tracking", "max-speed", "coverage", "crowd", "rectangle", "fusion", "route", "obstacles")
+EXPERIMENTS = (
+    "tracking",
+    "max-speed",
+    "coverage",
+    "crowd",
+    "rectangle",
+    "fusion",
+    "route",
+    "obstacles",
+    "crossing",
+    "merge",
+    "roundabout",
+)
 """A name is a module in launcher/experiments (hyphens are underscores there) with `add_arguments(parser)` and
 `run(arguments) -> Result`."""
 
