@@ -89,7 +89,8 @@ class Coordinator:
         return Advice(min(limit, self._following(situation)), hold, message, self._recipients(situation))
 
     def _permitted(self, situation: Situation) -> tuple[float, Hold | None, float]:
-        """The speed limit by the areas ahead (m/s), why the first closed one is closed, and where on the way it begins (m)."""
+        """The speed limit by the areas ahead (m/s), why the first closed one is closed, and where on the way it begins (m). An
+        open area that the robot could hardly stop before any more counts as entered from now on."""
         limit, hold, authority_m = self._robot.mobility.speed_mps, None, math.inf
         for booked in self._claiming.booked:
             asked = relevant(booked.uses, situation, self._robot)

@@ -1,8 +1,6 @@
 """Keeping distance to the vehicle ahead."""
 
-import math
-
-from agents.manoeuvres.approach import Mobility
+from agents.manoeuvres.approach import Mobility, speed_to_stop
 
 CRUISE_GAIN = 0.01
 """Change of the speed limit per metre of distance too much, each cycle (Gulliver 2025, appendix B)."""
@@ -16,10 +14,5 @@ def cruise_limit(limit_mps: float, distance_m: float, reference_m: float, highes
 def speed_behind(gap_m: float, leader_mps: float, standing_m: float, mobility: Mobility) -> float:
     """The highest speed from which the robot still stops `standing_m` behind the leader when that brakes as hard as the robot
     itself can from now on (Gipps 1981, with both decelerations the same)."""
-    room_m = gap_m - standing_m
-    a, t = mobility.deceleration_mps2, mobility.reaction_s
-    leader_stops_m = leader_mps**2 / (2 * a)
-    within = t * t + 2 * (room_m + leader_stops_m) / a
-    if within <= t * t:
-        return 0.0
-    return min(mobility.speed_mps, a * (math.sqrt(within) - t))
+    leader_stops_m = leader_mps**2 / (2 * mobility.deceleration_mps2)
+    return speed_to_stop(gap_m - standing_m + leader_stops_m, mobility)

@@ -10,7 +10,8 @@ class ManoeuvreParameters:
     robot that stands. A robot claims `claim_ahead_s` before it would be at the first area. `silent_s`: a robot not
     heard for longer counts as silent; sightings older than `seen_s` count as none. `reaction_s` from a permission's end until
     the wheels brake; `notice_s` from an area's being left until those who wait know it;
-    `sight_s` from another vehicle's braking until it is seen."""
+    `sight_s` from another vehicle's braking until it is seen. `away_m`: how far outside the detection distance one is
+    surely not near."""
 
     margin_m: float = 0.05
     standing_m: float = 0.05

@@ -10,6 +10,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from agents.manoeuvres.following import cruise_limit
+from agents.manoeuvres.parameters import DEFAULT
 from agents.manoeuvres.passages import Use, Way, passages_of, uses_of
 from agents.manoeuvres.precedence import by_arrival
 from agents.manoeuvres.traffic import ZoneMap, ahead_on
@@ -23,7 +24,6 @@ SILENT_S = 0.5
 REFERENCE_M = 0.5
 """Distance that the cruise control keeps."""
 _SLOW_MPS = 0.02
-_MARGIN_M = 0.06
 
 
 class Reported:
@@ -36,7 +36,7 @@ class Reported:
         self._zones = zones
         self._way = Way(entrant.way)
         self._outline = np.asarray(scenario.outline, dtype=np.float64)
-        self._passages = passages_of(uses_of(self._way, scenario.outline, scenario.zones, _MARGIN_M), 0.0)
+        self._passages = passages_of(uses_of(self._way, scenario.outline, scenario.zones, DEFAULT.margin_m), 0.0)
         self._heard: dict[str, tuple[ZoneMessage, float]] = {}
         self._booked = False
         self._sequence = 0
